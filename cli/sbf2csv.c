@@ -1,0 +1,216 @@
+/* sbf2csv: Septentrio receiver logs to CSV, streams and LCM logs. See sbf2csv(1). */
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "formats/input.h"
+#include "formats/sbf_decoder.h"
+#include "formats/sbf_frame.h"
+#include "inventory.h"
+#include "options.h"
+#include "output.h"
+#include "sinks.h"
+#include "source.h"
+#include "tool.h"
+
+static const option table[] = {
+	{"output", 'o', OPTION_TEXT, "FILE", NULL, "write to FILE instead of standard output", 0, 0},
+	{"types", 't', OPTION_TEXT, "TYPE[,TYPE]", NULL, "record types wanted", 0, 0},
+	{"stream", 's', OPTION_FLAG, NULL, NULL, "write a stream of several types", 0, 0},
+	{"format", 'f', OPTION_CHOICE, "csv|lcm", "csv", "text, or an LCM event log", 0, 0},
+	{"split", 0, OPTION_TEXT, "DIR", NULL, "write one table per type to DIR/TYPE.csv", 0, 0},
+	{"list", 0, OPTION_FLAG, NULL, NULL, "write an inventory of the blocks instead", 0, 0},
+	{"from", 0, OPTION_TIME, "TIME", NULL, "leave out what is before TIME", 0, 0},
+	{"until", 0, OPTION_TIME, "TIME", NULL, "leave out what is at TIME and after", 0, 0},
+	{"every", 0, OPTION_NUMBER, "SECONDS", NULL, "keep epochs at multiples of SECONDS", 0.001, 604800},
+	{"antenna", 0, OPTION_CHOICE, "main|aux1|aux2|all", "main", "antenna whose measurements are wanted", 0, 0},
+	{"nav", 0, OPTION_CHOICE, "both|decoded|raw", "both", "where navigation messages come from", 0, 0},
+	{"lcm-url", 0, OPTION_TEXT, "URL", NULL, "publish by LCM instead of writing", 0, 0},
+	{"quiet", 'q', OPTION_FLAG, NULL, NULL, "only messages about errors that end the run", 0, 0},
+	{"verbose", 'v', OPTION_FLAG, NULL, NULL, "every message, however often it repeats", 0, 0},
+	{"progress", 0, OPTION_CHOICE, "auto|always|never", "auto", "show how much has been read", 0, 0},
+};
+
+/* Large, and one of each: static, so that what is not used costs nothing. */
+static options opts = {
+	.tool = "sbf2csv",
+	.synopsis = "[options] [FILE...]",
+	.purpose = "Septentrio receiver logs (SBF) to CSV tables, streams and LCM logs.",
+	.table = table,
+	.n = sizeof table / sizeof table[0],
+};
+static tool self = {.name = "sbf2csv"};
+static inventory blocks;
+static sink_set sinks;
+
+/* "obs,pvt" to a set. Returns the number of types, 0 after a message. */
+static int parse_types(const char *text, fw_kind_set *wanted, fw_kind *first)
+{
+	int n = 0;
+	*wanted = (fw_kind_set){0};
+	for (const char *p = text; *p != '\0';) {
+		size_t length = strcspn(p, ",");
+		fw_kind kind = fw_record_find(p, length);
+		if (kind == FW_RECORD_COUNT) {
+			sinks_complain_type(&self, p, length);
+			return 0;
+		}
+		if (n == 0)
+			*first = kind;
+		n += !fw_kind_in(wanted, kind);
+		fw_kind_add(wanted, kind);
+		p += length + (p[length] == ',');
+	}
+	if (n == 0)
+		tool_error(&self, "--types: no type given");
+	return n;
+}
+
+static void all_types(fw_kind_set *wanted)
+{
+	for (fw_kind kind = 0; kind < FW_RECORD_COUNT; kind++)
+		fw_kind_add(wanted, kind);
+}
+
+/* What the options ask for, as the sinks and the source want it. Returns EXIT_COMPLETE or EXIT_USAGE. */
+static int make_plan(sink_plan *sink, source_plan *source)
+{
+	const char *types = options_text(&opts, "types"), *split = options_text(&opts, "split");
+	const char *url = options_text(&opts, "lcm-url"), *antenna = options_text(&opts, "antenna");
+	const char *nav = options_text(&opts, "nav");
+	int stream = options_flag(&opts, "stream"), lcm = strcmp(options_text(&opts, "format"), "lcm") == 0;
+	int n = 0;
+
+	self.quiet = options_flag(&opts, "quiet");
+	self.verbose = options_flag(&opts, "verbose");
+	sink->table = FW_pvt;
+	if (types != NULL && (n = parse_types(types, &source->wanted, &sink->table)) == 0)
+		return EXIT_USAGE;
+	sink->mode = url != NULL     ? SINK_PUBLISH
+	             : split != NULL ? SINK_SPLIT
+	             : lcm           ? SINK_LCM
+	             : stream        ? SINK_STREAM
+	                             : SINK_TABLE;
+	if ((split != NULL) + (url != NULL) + (options_text(&opts, "output") != NULL) > 1 || (stream && (split || lcm))) {
+		tool_error(&self, "--output, --split, --lcm-url and --stream with --format lcm exclude each other");
+		return EXIT_USAGE;
+	}
+	if (sink->mode == SINK_TABLE && n > 1) {
+		tool_error(&self, "a table holds one type; add -s for a stream, or --split DIR for one table each");
+		return EXIT_USAGE;
+	}
+	if (types == NULL && sink->mode == SINK_TABLE)
+		fw_kind_add(&source->wanted, FW_pvt);
+	else if (types == NULL)
+		all_types(&source->wanted);
+	sink->path = split != NULL ? split : url != NULL ? url : options_text(&opts, "output");
+	sink->from = options_time(&opts, "from");
+	sink->until = options_time(&opts, "until");
+	sink->every_ns = options_text(&opts, "every") != NULL ? llround(options_number(&opts, "every") * 1e9) : 0;
+	source->table = types != NULL && n == 1 ? sink->table : FW_RECORD_COUNT;
+	source->antennas = strcmp(antenna, "all") == 0    ? FW_ANTENNA_ALL
+	                   : strcmp(antenna, "aux1") == 0 ? FW_ANTENNA_AUX1
+	                   : strcmp(antenna, "aux2") == 0 ? FW_ANTENNA_AUX2
+	                                                  : FW_ANTENNA_MAIN;
+	source->nav_sources = strcmp(nav, "raw") == 0       ? FW_NAV_RAW
+	                      : strcmp(nav, "decoded") == 0 ? FW_NAV_DECODED
+	                                                    : FW_NAV_RAW | FW_NAV_DECODED;
+	source->blocks = options_flag(&opts, "list") ? &blocks : NULL;
+	source->progress = options_text(&opts, "progress");
+	return EXIT_COMPLETE;
+}
+
+/* Reads all files. Returns the worst exit status. */
+static int read_all(int n, char **files, const source_plan *plan, source_totals *totals)
+{
+	static char dash[] = "-", *standard_input[] = {dash};
+	int worst = EXIT_COMPLETE;
+	if (n == 0) {
+		n = 1;
+		files = standard_input;
+	}
+	for (int i = 0; i < n && !tool_interrupted() && !sinks_failed(&sinks); i++) {
+		int status = source_read(&self, files[i], plan, sinks_head(&sinks), totals);
+		if (status > worst)
+			worst = status;
+	}
+	return worst;
+}
+
+static int write_inventory(int status, const source_totals *totals)
+{
+	output out;
+	if (status == EXIT_IO)
+		return status;
+	if (output_open(&out, options_text(&opts, "output")) == FW_OK) {
+		inventory_write(&blocks, &out);
+		if (totals->blocks == 0 && out.error == 0) {
+			output_discard(&out);
+			return EXIT_NO_DATA;
+		}
+		if (output_commit(&out) == FW_OK)
+			return status;
+	}
+	tool_error(&self, "%s: %s", out.path, strerror(out.error));
+	return EXIT_IO;
+}
+
+/* Ends the output and says in one line what came of it. */
+static int finish(int status, const source_totals *totals)
+{
+	int interrupted = tool_interrupted();
+	int complete = status == EXIT_COMPLETE && !interrupted && totals->lost == 0;
+	uint64_t rows = sinks_rows(&sinks);
+
+	tool_repeats(&self);
+	if (sinks_end(&sinks, &self, complete, totals->lost, rows > 0 && status != EXIT_IO && !interrupted) != FW_OK)
+		return EXIT_IO;
+	source_summary(&self, totals, rows);
+	if (interrupted)
+		return tool_die_of(interrupted);
+	if (status >= EXIT_USAGE)
+		return status;
+	if (rows == 0)
+		return EXIT_NO_DATA;
+	return complete ? EXIT_COMPLETE : EXIT_PARTIAL;
+}
+
+/* --help and the like have been printed; has it arrived? */
+static int end_answer(void)
+{
+	int failed = ferror(stdout);
+	if (fclose(stdout) == 0 && !failed)
+		return EXIT_COMPLETE;
+	tool_error(&self, "standard output: %s", strerror(errno));
+	return EXIT_IO;
+}
+
+int main(int argc, char **argv)
+{
+	sink_plan to = {0};
+	source_plan from = {0};
+	source_totals totals = {0};
+
+	tool_hold_standard_streams();
+	switch (options_parse(&opts, argc, argv)) {
+	case OPTIONS_DONE: return end_answer();
+	case OPTIONS_WRONG: return EXIT_USAGE;
+	case OPTIONS_FAILED: return EXIT_IO;
+	case OPTIONS_RUN: break;
+	}
+	if (make_plan(&to, &from) != EXIT_COMPLETE)
+		return EXIT_USAGE;
+	tool_catch_signals();
+	if (from.blocks != NULL) {
+		int status = read_all(argc - opts.first_file, argv + opts.first_file, &from, &totals);
+		source_summary(&self, &totals, totals.blocks);
+		return tool_interrupted() ? tool_die_of(tool_interrupted()) : write_inventory(status, &totals);
+	}
+	if (sinks_begin(&sinks, &to, &self, &opts, argc, argv) != FW_OK)
+		return tool_interrupted() ? tool_die_of(tool_interrupted()) : EXIT_IO;
+	from.sinks = &sinks;
+	return finish(read_all(argc - opts.first_file, argv + opts.first_file, &from, &totals), &totals);
+}

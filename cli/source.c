@@ -1,0 +1,281 @@
+#include "source.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "formats/csv.h"
+#include "formats/input.h"
+#include "formats/lcm_log.h"
+#include "formats/sbf_decoder.h"
+#include "formats/sbf_schema.h"
+
+typedef enum { CONTENT_SBF, CONTENT_TEXT, CONTENT_LCM, CONTENT_RINEX } content;
+
+/* One file at a time is being read; its readers are large and hold no heap. */
+static struct {
+	fw_input input;
+	union {
+		struct {
+			fw_sbf_framer framer;
+			fw_sbf_decoder decoder;
+		} sbf;
+		fw_csv_reader csv;
+		fw_lcm_reader lcm;
+	} reader;
+} now;
+
+/* What a file is being read for. */
+typedef struct {
+	tool *t;
+	const char *name;
+	const source_plan *plan;
+	fw_sink sink;
+	source_totals *totals;
+	tool_progress progress;
+	uint64_t lost; /* in this file */
+} job;
+
+/* ---- what is it? ---- */
+
+/* The whole first line, or as much of it as was peeked at. */
+static int line_contains(const uint8_t *bytes, size_t n, const char *word)
+{
+	const uint8_t *end = memchr(bytes, '\n', n);
+	return memmem(bytes, end != NULL ? (size_t)(end - bytes) : n, word, strlen(word)) != NULL;
+}
+
+static content detect(const uint8_t *bytes, size_t n)
+{
+	static const uint8_t lcm_sync[] = {0xED, 0xA1, 0xDA, 0x01};
+	if (n >= sizeof lcm_sync && memcmp(bytes, lcm_sync, sizeof lcm_sync) == 0)
+		return CONTENT_LCM;
+	if (n >= 2 && memcmp(bytes, "$@", 2) == 0)
+		return CONTENT_SBF;
+	if (n >= 15 && memcmp(bytes, "#furrow-stream ", 15) == 0)
+		return CONTENT_TEXT;
+	if (line_contains(bytes, n, "gps_week") && line_contains(bytes, n, "tow_s"))
+		return CONTENT_TEXT;
+	if (line_contains(bytes, n, "RINEX VERSION / TYPE"))
+		return CONTENT_RINEX;
+	return CONTENT_SBF;
+}
+
+/* Not worth reading on: a signal came, or nobody takes the records any more. */
+static int must_stop(const job *j)
+{
+	return tool_interrupted() || (j->plan->sinks != NULL && sinks_failed(j->plan->sinks));
+}
+
+/* ---- SBF ---- */
+
+static void note_loss(void *context, const fw_sbf_loss *loss)
+{
+	job *j = context;
+	char block[64] = "block";
+	if (loss->id != 0)
+		snprintf(block, sizeof block, "block %s%s(%u)", fw_sbf_block_name(loss->id),
+		         fw_sbf_block_name(loss->id)[0] != '\0' ? " " : "", (unsigned)loss->id);
+	if (j->plan->blocks != NULL)
+		inventory_add_loss(j->plan->blocks, loss);
+	if (loss->status == FW_ETRUNCATED)
+		tool_warn(j->t, CAUSE_TRUNCATED, "%s: byte %" PRIu64 ": the log ends inside a %s", j->name,
+		          loss->offset, block);
+	else
+		tool_warn(j->t, CAUSE_DAMAGE, "%s: byte %" PRIu64 ": %s: %s, skipped", j->name, loss->offset, block,
+		          loss->status == FW_ECHECKSUM ? "CRC mismatch" : "damaged header");
+}
+
+static fw_status read_blocks(job *j, fw_sbf_framer *framer, fw_sbf_decoder *decoder)
+{
+	fw_status status = FW_EOF;
+	fw_sbf_block block;
+	while (!must_stop(j) && (status = fw_sbf_next(framer, &block)) == FW_OK) {
+		if (j->plan->blocks != NULL)
+			inventory_add(j->plan->blocks, &block);
+		else
+			fw_sbf_decoder_put(decoder, &block);
+		tool_progress_update(&j->progress, (int64_t)block.offset);
+	}
+	return must_stop(j) ? FW_EOF : status;
+}
+
+/* What the user should know about what was not decoded. */
+static void explain(const job *j, const fw_sbf_decoder_stats *s)
+{
+	if (s->compressed > 0)
+		tool_note(j->t,
+		          "%s: %" PRIu64 " Meas3 blocks are not decoded: log MeasEpoch, or convert with sbf2rin",
+		          j->name, s->compressed);
+	if (s->other_antenna > 0)
+		tool_note(j->t, "%s: %" PRIu64 " observations of other antennas left out (--antenna)", j->name,
+		          s->other_antenna);
+	if (s->bad_pages > 0)
+		tool_note(j->t, "%s: %" PRIu64 " navigation pages fail their checksum", j->name, s->bad_pages);
+}
+
+static fw_status read_sbf(job *j)
+{
+	fw_sbf_framer *framer = &now.reader.sbf.framer;
+	fw_sbf_decoder *decoder = &now.reader.sbf.decoder;
+	fw_sbf_decoder_options o = {j->plan->wanted, j->plan->antennas, j->plan->nav_sources};
+
+	fw_sbf_init(framer, &now.input, note_loss, j);
+	fw_sbf_decoder_init(decoder, &o, j->sink);
+	fw_status status = read_blocks(j, framer, decoder);
+	fw_sbf_decoder_flush(decoder);
+
+	const fw_sbf_stats *s = &framer->stats;
+	if (s->blocks == 0)
+		tool_note(j->t, "%s: no SBF block in it, and it is no stream, table or LCM log either", j->name);
+	explain(j, &decoder->stats);
+	j->lost += s->blocks_damaged + s->truncated + decoder->stats.malformed;
+	j->totals->blocks += s->blocks;
+	j->totals->bytes_skipped += s->bytes_skipped;
+	j->totals->unknown += decoder->stats.unknown;
+	j->totals->compressed += decoder->stats.compressed;
+	j->totals->other_antenna += decoder->stats.other_antenna;
+	return status;
+}
+
+/* ---- streams, tables, LCM logs ---- */
+
+static void put_wanted(const job *j, fw_kind kind, const fw_any_record *record)
+{
+	if (kind == FW_meta || fw_kind_in(&j->plan->wanted, kind))
+		j->sink.put(j->sink.context, kind, record);
+	j->totals->records += kind != FW_meta;
+}
+
+static fw_status read_text(job *j)
+{
+	fw_csv_reader *r = &now.reader.csv;
+	fw_any_record record;
+	fw_kind kind;
+	fw_status status = FW_EOF;
+
+	fw_csv_begin_read(r, &now.input, j->plan->table);
+	while (!must_stop(j) && (status = fw_csv_read(r, &kind, &record)) != FW_EOF) {
+		if (status == FW_OK) {
+			put_wanted(j, kind, &record);
+		} else if (status == FW_ESYNTAX || status == FW_EUNKNOWN) {
+			tool_warn(j->t, CAUSE_ROW, "%s:%" PRIu64 ": column %d %s: %s", j->name, r->problem.line,
+			          r->problem.field, r->problem.column, r->problem.reason);
+		}
+		if (status < 0 && status != FW_ESYNTAX)
+			break;
+		tool_progress_update(&j->progress, (int64_t)now.input.offset);
+	}
+	if (r->unknown_columns > 0)
+		tool_note(j->t, "%s: %d unknown columns ignored, '%s' first", j->name, r->unknown_columns, r->unknown);
+	j->lost += r->lost + (r->partial || status == FW_EUNKNOWN);
+	return must_stop(j) ? FW_EOF : status;
+}
+
+static fw_status read_lcm(job *j)
+{
+	fw_lcm_reader *r = &now.reader.lcm;
+	fw_any_record record;
+	fw_kind kind;
+	fw_status status = FW_EOF;
+
+	fw_lcm_begin_read(r, &now.input);
+	while (!must_stop(j) && (status = fw_lcm_read(r, &kind, &record)) != FW_EOF) {
+		if (status == FW_OK)
+			put_wanted(j, kind, &record);
+		else if (status == FW_EFORMAT)
+			tool_warn(j->t, CAUSE_DAMAGE, "%s: byte %" PRIu64 ": %s", j->name, r->lost_offset, r->reason);
+		else
+			break;
+		tool_progress_update(&j->progress, (int64_t)now.input.offset);
+	}
+	if (r->foreign > 0)
+		tool_note(j->t, "%s: %" PRIu64 " events on other channels passed over", j->name, r->foreign);
+	j->lost += r->lost + r->partial;
+	return must_stop(j) ? FW_EOF : status;
+}
+
+/* ---- a file ---- */
+
+static void start_progress(job *j, const char *path)
+{
+	struct stat s;
+	int64_t size = strcmp(path, "-") != 0 && stat(path, &s) == 0 && S_ISREG(s.st_mode) ? s.st_size : 0;
+	tool_progress_start(&j->progress, j->t, j->plan->progress, j->name, now.input.gzip ? 0 : size);
+}
+
+static fw_status read_content(job *j, const char *path)
+{
+	const uint8_t *head;
+	size_t n = 0;
+	/* A live log may say little and then pause: no more than its sync is waited for. */
+	fw_status status = fw_input_peek(&now.input, 2, &head, &n);
+	if (status == FW_OK && memcmp(head, "$@", n < 2 ? n : 2) != 0)
+		status = fw_input_peek(&now.input, 512, &head, &n);
+	if (status != FW_OK)
+		return status;
+	start_progress(j, path);
+	switch (detect(head, n)) {
+	case CONTENT_TEXT: status = read_text(j); break;
+	case CONTENT_LCM: status = read_lcm(j); break;
+	case CONTENT_SBF: status = read_sbf(j); break;
+	case CONTENT_RINEX:
+		tool_note(j->t, "%s: RINEX is not read by this tool", j->name);
+		j->lost++;
+		status = FW_EOF;
+		break;
+	}
+	tool_progress_end(&j->progress);
+	return status;
+}
+
+/* The input pauses: a live receiver. */
+static void hand_on(void *context)
+{
+	sinks_flush(context);
+}
+
+int source_read(tool *t, const char *path, const source_plan *plan, fw_sink sink, source_totals *totals)
+{
+	job j = {.t = t, .name = strcmp(path, "-") == 0 ? "standard input" : path, .plan = plan, .sink = sink,
+	         .totals = totals};
+	fw_status status;
+	do
+		status = fw_input_open(&now.input, path);
+	while (status == FW_EIO && now.input.error_number == EINTR && !tool_interrupted());
+	if (status == FW_OK) {
+		now.input.stop = tool_stop_flag();
+		now.input.idle = plan->sinks != NULL ? hand_on : NULL;
+		now.input.idle_context = plan->sinks;
+		status = read_content(&j, path);
+	}
+	fw_input_close(&now.input);
+	int error = now.input.error_number;
+	int failed = (status == FW_EIO || status == FW_ENOMEM) && !tool_interrupted();
+	if (failed)
+		tool_error(t, "%s: %s", j.name, status == FW_EIO ? strerror(error) : fw_status_text(status));
+	else if (status == FW_ETRUNCATED)
+		tool_warn(t, CAUSE_TRUNCATED, "%s: cut short", j.name);
+	else if (status == FW_EFORMAT)
+		tool_warn(t, CAUSE_DAMAGE, "%s: gzip data damaged, the rest is lost", j.name);
+	j.lost += status == FW_ETRUNCATED || status == FW_EFORMAT;
+	totals->lost += j.lost;
+	if (failed)
+		return EXIT_IO;
+	return j.lost > 0 || totals->bytes_skipped > 0 ? EXIT_PARTIAL : EXIT_COMPLETE;
+}
+
+void source_summary(const tool *t, const source_totals *totals, uint64_t rows)
+{
+	char unknown[64] = "";
+	if (totals->unknown > 0)
+		snprintf(unknown, sizeof unknown, " (%" PRIu64 " of unknown type)", totals->unknown);
+	if (totals->records > 0)
+		tool_note(t, "%" PRIu64 " records read, %" PRIu64 " lost, %" PRIu64 " rows written", totals->records,
+		          totals->lost, rows);
+	else
+		tool_note(t, "%" PRIu64 " blocks%s, %" PRIu64 " lost, %" PRIu64 " bytes skipped, %" PRIu64
+		          " rows written", totals->blocks, unknown, totals->lost, totals->bytes_skipped, rows);
+}
