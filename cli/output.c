@@ -91,24 +91,23 @@ void output_discard(output *out)
 	out->aside[0] = '\0';
 }
 
-fw_status output_sync(output *out)
+fw_status output_finish(output *out)
 {
-	while (out->error == 0 && out->aside[0] != '\0' && fsync(out->fd) != 0)
+	while (out->error == 0 && out->fd >= 0 && out->aside[0] != '\0' && fsync(out->fd) != 0)
 		if (errno != EINTR)
 			(void)fail(out);
-	return out->error != 0 ? FW_EIO : FW_OK;
-}
-
-fw_status output_commit(output *out)
-{
-	(void)!output_sync(out);
 	/* A file system may report a failed write only now. */
 	if (out->error == 0 && out->fd >= 0 && close(out->fd) != 0 && errno != EINTR)
 		(void)fail(out);
 	else if (out->error != 0 && out->fd > STDERR_FILENO)
 		close(out->fd);
 	out->fd = -1;
-	if (out->error == 0 && out->aside[0] != '\0' && rename(out->aside, out->path) != 0)
+	return out->error != 0 ? FW_EIO : FW_OK;
+}
+
+fw_status output_commit(output *out)
+{
+	if (output_finish(out) == FW_OK && out->aside[0] != '\0' && rename(out->aside, out->path) != 0)
 		(void)fail(out);
 	if (out->error != 0 && out->aside[0] != '\0')
 		unlink(out->aside);

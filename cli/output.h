@@ -10,7 +10,7 @@
 
 typedef struct {
 	int fd;
-	int error; /* errno of the first failure, 0: none */
+	_Atomic int error; /* errno of the first failure, 0: none */
 	char path[PATH_MAX];
 	char aside[PATH_MAX]; /* "" for stdout */
 } output;
@@ -21,11 +21,12 @@ fw_status output_open(output *out, const char *path) FW_MUST_CHECK;
 /* Writes n bytes; the first failure sticks. The signature is that of the writers' flush callbacks. */
 fw_status output_write(void *out, const void *bytes, size_t n) FW_MUST_CHECK;
 
-/* Waits until a file's bytes are on the disk. Returns FW_EIO with out->error set when that or an earlier write failed. */
-fw_status output_sync(output *out) FW_MUST_CHECK;
+/* Flushes to disk and closes: the first half of a commit, for those who have several files to commit. Returns FW_EIO
+ * with out->error set when a step or an earlier write failed. */
+fw_status output_finish(output *out) FW_MUST_CHECK;
 
-/* Flushes to disk, closes and renames. Returns FW_EIO with out->error set when any step or an earlier write
- * failed; the target is then untouched and nothing stays behind. */
+/* Finishes and renames. Returns FW_EIO with out->error set when any step or an earlier write failed; the target is then
+ * untouched and nothing stays behind. */
 fw_status output_commit(output *out) FW_MUST_CHECK;
 
 /* Gives up: closes and removes what was written aside. Data that went to stdout stays written. */

@@ -163,6 +163,7 @@ static int finish(int status, const source_totals *totals)
 {
 	int interrupted = tool_interrupted();
 	int complete = status == EXIT_COMPLETE && !interrupted && totals->lost == 0;
+	sinks_stop(&sinks);
 	uint64_t rows = sinks_rows(&sinks);
 
 	tool_repeats(&self);
@@ -173,8 +174,10 @@ static int finish(int status, const source_totals *totals)
 		return tool_die_of(interrupted);
 	if (status >= EXIT_USAGE)
 		return status;
-	if (rows == 0)
+	if (rows == 0) {
+		source_offer(&self, totals);
 		return EXIT_NO_DATA;
+	}
 	return complete ? EXIT_COMPLETE : EXIT_PARTIAL;
 }
 

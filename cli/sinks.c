@@ -1,5 +1,6 @@
 #include "sinks.h"
 
+#include <dlfcn.h>
 #include <errno.h>
 #include <lcm/lcm.h>
 #include <math.h>
@@ -36,6 +37,29 @@ void sinks_complain_type(const tool *t, const char *name, size_t n)
 
 /* ---- publishing ---- */
 
+/* liblcm brings GLib along, which aborts at program start when it gets no memory. So it is loaded by those who publish,
+ * and nobody else depends on it. */
+static struct {
+	typeof(lcm_create) *create;
+	typeof(lcm_publish) *publish;
+	typeof(lcm_destroy) *destroy;
+} liblcm;
+
+/* Returns 0 after a message. */
+static int load_liblcm(const tool *t)
+{
+	void *library = dlopen("liblcm.so.1", RTLD_NOW);
+	if (library != NULL) {
+		liblcm.create = (typeof(lcm_create) *)dlsym(library, "lcm_create");
+		liblcm.publish = (typeof(lcm_publish) *)dlsym(library, "lcm_publish");
+		liblcm.destroy = (typeof(lcm_destroy) *)dlsym(library, "lcm_destroy");
+	}
+	if (library != NULL && liblcm.create != NULL && liblcm.publish != NULL && liblcm.destroy != NULL)
+		return 1;
+	tool_error(t, "publishing needs LCM: %s", dlerror());
+	return 0;
+}
+
 static int64_t now_ns(void)
 {
 	struct timespec t;
@@ -71,7 +95,7 @@ static void publish(void *context, fw_kind kind, const void *record)
 	if (fw_record_encode(kind, &rounded, buffer, sizeof buffer, &n) != FW_OK)
 		return;
 	pace(s);
-	if (lcm_publish(s->lcm, fw_record_type_of(kind)->channel, buffer, (unsigned)n) != 0)
+	if (liblcm.publish(s->lcm, fw_record_type_of(kind)->channel, buffer, (unsigned)n) != 0)
 		s->failed = 1;
 	s->published++;
 }
@@ -189,14 +213,14 @@ static fw_status begin_file(sink_set *s)
 	return FW_OK;
 }
 
-fw_status sinks_begin(sink_set *s, const sink_plan *plan, const tool *owner, const options *o, int argc,
-                      char **argv)
+static fw_status begin(sink_set *s, const sink_plan *plan)
 {
-	s->plan = *plan;
-	s->owner = owner;
+	const tool *owner = s->owner;
 	if (plan->mode == SINK_PUBLISH) {
 		s->writer = (fw_sink){publish, s};
-		s->lcm = lcm_create(plan->path);
+		if (!load_liblcm(owner))
+			return FW_EIO;
+		s->lcm = liblcm.create(plan->path);
 		if (s->lcm == NULL) {
 			tool_error(owner, "%s: LCM cannot publish there", plan->path);
 			return FW_EIO;
@@ -211,10 +235,20 @@ fw_status sinks_begin(sink_set *s, const sink_plan *plan, const tool *owner, con
 		}
 		return FW_OK;
 	}
-	fw_status status = begin_file(s);
-	if (status == FW_OK)
-		put_provenance(s, o, argc, argv);
-	return status;
+	return begin_file(s);
+}
+
+fw_status sinks_begin(sink_set *s, const sink_plan *plan, const tool *owner, const options *o, int argc,
+                      char **argv)
+{
+	s->plan = *plan;
+	s->owner = owner;
+	fw_status status = begin(s, plan);
+	if (status != FW_OK)
+		return status;
+	put_provenance(s, o, argc, argv);
+	s->writer = relay_start(&s->relay, s->writer);
+	return FW_OK;
 }
 
 fw_sink sinks_head(sink_set *s)
@@ -226,6 +260,7 @@ fw_sink sinks_head(sink_set *s)
 
 void sinks_flush(sink_set *s)
 {
+	relay_drain(&s->relay);
 	if (s->plan.mode == SINK_TABLE || s->plan.mode == SINK_STREAM)
 		(void)!fw_csv_flush(&s->file.writer.csv);
 	else if (s->plan.mode == SINK_LCM)
@@ -235,6 +270,11 @@ void sinks_flush(sink_set *s)
 int sinks_failed(const sink_set *s)
 {
 	return s->failed || s->file.out.error != 0;
+}
+
+void sinks_stop(sink_set *s)
+{
+	relay_stop(&s->relay);
 }
 
 uint64_t sinks_rows(const sink_set *s)
@@ -270,7 +310,7 @@ static fw_status end_split(sink_set *s, const tool *t, int complete, uint64_t lo
 {
 	for (int kind = 0; kind < FW_RECORD_COUNT; kind++) {
 		sink_file *f = s->split[kind];
-		if (f != NULL && (fw_csv_end(&f->writer.csv, complete, lost) != FW_OK || output_sync(&f->out) != FW_OK))
+		if (f != NULL && (fw_csv_end(&f->writer.csv, complete, lost) != FW_OK || output_finish(&f->out) != FW_OK))
 			s->failed = 1;
 	}
 	fw_status worst = s->failed ? FW_EIO : FW_OK;
@@ -290,7 +330,7 @@ fw_status sinks_end(sink_set *s, const tool *t, int complete, uint64_t lost, int
 {
 	switch (s->plan.mode) {
 	case SINK_PUBLISH:
-		lcm_destroy(s->lcm);
+		liblcm.destroy(s->lcm);
 		if (s->failed)
 			tool_error(t, "%s: publishing failed", s->plan.path);
 		return s->failed ? FW_EIO : FW_OK;

@@ -7,6 +7,7 @@
 #include "formats/record.h"
 #include "options.h"
 #include "output.h"
+#include "relay.h"
 #include "tool.h"
 
 typedef enum { SINK_TABLE, SINK_STREAM, SINK_LCM, SINK_SPLIT, SINK_PUBLISH } sink_mode;
@@ -31,13 +32,14 @@ typedef struct {
 typedef struct {
 	sink_plan plan;
 	const tool *owner;
-	fw_sink writer;                    /* behind the filter */
+	relay relay;                       /* between the filter and the writer */
+	fw_sink writer;                    /* behind the filter: the relay */
 	sink_file file;                    /* unless split */
 	sink_file *split[FW_RECORD_COUNT]; /* made when the first record of a type comes */
 	struct _lcm_t *lcm;                /* when publishing */
 	uint64_t published;
 	int64_t next_publish_ns;
-	int failed; /* a message about it has been or will be given by sinks_end */
+	_Atomic int failed; /* a message about it has been or will be given by sinks_end */
 } sink_set;
 
 /* Says that no record type is called so, and which one is near. */
@@ -53,7 +55,13 @@ fw_sink sinks_head(sink_set *s);
 /* Hands all records so far to the output. For inputs that pause, such as a live pipe. */
 void sinks_flush(sink_set *s);
 
+/* Whether going on is of no use. */
 int sinks_failed(const sink_set *s);
+
+/* There will be no more records: waits until all have reached the writer. To be called before the next two. */
+void sinks_stop(sink_set *s);
+
+/* Rows written. */
 uint64_t sinks_rows(const sink_set *s);
 
 /* Writes the end and closes. With `keep` files take their place, without it targets stay as they were.

@@ -105,10 +105,11 @@ static fw_status read_blocks(job *j, fw_sbf_framer *framer, fw_sbf_decoder *deco
 /* What the user should know about what was not decoded. */
 static void explain(const job *j, const fw_sbf_decoder_stats *s)
 {
-	if (s->compressed > 0)
-		tool_note(j->t,
-		          "%s: %" PRIu64 " Meas3 blocks are not decoded: log MeasEpoch, or convert with sbf2rin",
-		          j->name, s->compressed);
+	if (s->scrambled > 0)
+		tool_note(j->t, "%s: %" PRIu64 " epochs of scrambled measurements left out", j->name, s->scrambled);
+	if (s->no_reference > 0)
+		tool_note(j->t, "%s: %" PRIu64 " Meas3 epochs without their reference epoch left out", j->name,
+		          s->no_reference);
 	if (s->other_antenna > 0)
 		tool_note(j->t, "%s: %" PRIu64 " observations of other antennas left out (--antenna)", j->name,
 		          s->other_antenna);
@@ -131,12 +132,12 @@ static fw_status read_sbf(job *j)
 	if (s->blocks == 0)
 		tool_note(j->t, "%s: no SBF block in it, and it is no stream, table or LCM log either", j->name);
 	explain(j, &decoder->stats);
-	j->lost += s->blocks_damaged + s->truncated + decoder->stats.malformed;
+	j->lost += s->blocks_damaged + s->truncated + decoder->stats.malformed + decoder->stats.scrambled +
+	           decoder->stats.no_reference;
+	fw_sbf_decoder_offered(decoder, &j->totals->offered);
 	j->totals->blocks += s->blocks;
 	j->totals->bytes_skipped += s->bytes_skipped;
 	j->totals->unknown += decoder->stats.unknown;
-	j->totals->compressed += decoder->stats.compressed;
-	j->totals->other_antenna += decoder->stats.other_antenna;
 	return status;
 }
 
@@ -146,7 +147,10 @@ static void put_wanted(const job *j, fw_kind kind, const fw_any_record *record)
 {
 	if (kind == FW_meta || fw_kind_in(&j->plan->wanted, kind))
 		j->sink.put(j->sink.context, kind, record);
-	j->totals->records += kind != FW_meta;
+	if (kind == FW_meta)
+		return;
+	fw_kind_add(&j->totals->offered, kind);
+	j->totals->records++;
 }
 
 static fw_status read_text(job *j)
@@ -267,11 +271,24 @@ int source_read(tool *t, const char *path, const source_plan *plan, fw_sink sink
 	return j.lost > 0 || totals->bytes_skipped > 0 ? EXIT_PARTIAL : EXIT_COMPLETE;
 }
 
+void source_offer(const tool *t, const source_totals *totals)
+{
+	char names[1024] = "";
+	for (fw_kind kind = 0; kind < FW_RECORD_COUNT; kind++) {
+		if (!fw_kind_in(&totals->offered, kind))
+			continue;
+		size_t used = strlen(names);
+		snprintf(names + used, sizeof names - used, " %s", fw_record_type_of(kind)->name);
+	}
+	if (names[0] != '\0')
+		tool_note(t, "nothing of what was asked for is there; what is:%s", names);
+}
+
 void source_summary(const tool *t, const source_totals *totals, uint64_t rows)
 {
 	char unknown[64] = "";
 	if (totals->unknown > 0)
-		snprintf(unknown, sizeof unknown, " (%" PRIu64 " of unknown type)", totals->unknown);
+		snprintf(unknown, sizeof unknown, " (%" PRIu64 " of types not decoded)", totals->unknown);
 	if (totals->records > 0)
 		tool_note(t, "%" PRIu64 " records read, %" PRIu64 " lost, %" PRIu64 " rows written", totals->records,
 		          totals->lost, rows);

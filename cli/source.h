@@ -24,13 +24,15 @@ typedef struct {
 	uint64_t lost;          /* blocks, rows or events damaged, cut short or refused */
 	uint64_t bytes_skipped; /* bytes that belong to no block */
 	uint64_t unknown;       /* blocks of unknown numbers */
-	uint64_t compressed;    /* Meas3 blocks */
-	uint64_t other_antenna; /* observations left out because of their antenna */
+	fw_kind_set offered;    /* record types that the files have, wanted or not */
 } source_totals;
 
 /* Reads a file to its end; records go to `sink`, messages to stderr. Returns an exit status: EXIT_COMPLETE,
  * EXIT_PARTIAL (something was lost) or EXIT_IO. */
 int source_read(tool *t, const char *path, const source_plan *plan, fw_sink sink, source_totals *totals);
+
+/* Says which record types the files have, because none of those wanted was among them. */
+void source_offer(const tool *t, const source_totals *totals);
 
 /* The closing line: what was read, what was lost, what came of it. */
 void source_summary(const tool *t, const source_totals *totals, uint64_t rows);

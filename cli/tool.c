@@ -11,7 +11,7 @@ enum { SHOWN_PER_CAUSE = 5, PROGRESS_INTERVAL_NS = 200000000 };
 
 static volatile sig_atomic_t noted_signal;
 
-static void message(const tool *t, const char *format, va_list arguments)
+static __attribute__((format(printf, 2, 0))) void message(const tool *t, const char *format, va_list arguments)
 {
 	char line[1024];
 	vsnprintf(line, sizeof line, format, arguments);

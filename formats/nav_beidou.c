@@ -32,13 +32,11 @@ static bool finish_ephemeris(const fw_nav_store *store, int64_t now_ms, void *re
 
 /* ---- a subframe ---- */
 
-/* Is a word of BCH(15,11) without error: does x^4 + x + 1 divide it? */
+/* Is a word of BCH(15,11) without error? Rows of the check matrix of x^4 + x + 1. */
 static bool bch_holds(uint32_t word)
 {
-	for (int i = 14; i >= 4; i--)
-		if (word >> i & 1)
-			word ^= UINT32_C(0x13) << (i - 4);
-	return word == 0;
+	return !(__builtin_parity(word & 0x7ac8) | __builtin_parity(word & 0x3d64) |
+	         __builtin_parity(word & 0x1eb2) | __builtin_parity(word & 0x7591));
 }
 
 /* Checks the ten words and joins their information bits, 26 of the first word and 22 of the others. The first

@@ -28,11 +28,14 @@ double fw_bits_sign_magnitude(uint32_t raw, unsigned width)
 
 void fw_bits_append(uint8_t *bytes, size_t n, size_t *used, uint32_t value, unsigned width)
 {
-	for (unsigned i = 0; i < width; i++, (*used)++) {
-		const uint32_t bit = value >> (width - 1 - i) & 1;
-		if (*used / 8 < n)
-			bytes[*used / 8] |= (uint8_t)(bit << (7 - *used % 8));
+	while (width > 0 && *used / 8 < n) {
+		const unsigned room = 8 - (unsigned)(*used % 8), take = width < room ? width : room;
+		const uint32_t piece = value >> (width - take) & ((1U << take) - 1);
+		bytes[*used / 8] |= (uint8_t)(piece << (room - take));
+		*used += take;
+		width -= take;
 	}
+	*used += width;
 }
 
 void fw_bits_clear(uint8_t *bytes, size_t n, unsigned first, unsigned width)

@@ -1,7 +1,6 @@
 /* Galileo I/NAV (E1-B, E5b-I) and F/NAV (E5a-I): ephemeris, NeQuick-G, UTC and Galileo-GPS time offset.
  *
- * Source: Galileo OS SIS ICD 2.1: 4.2 (F/NAV pages 1 to 4), 4.3 (I/NAV words 1 to 6 and 10), 5.1.9.4 (CRC).
- */
+ * Source: Galileo OS SIS ICD 2.1: 4.2 (F/NAV pages 1 to 4), 4.3 (I/NAV words 1 to 6, 10), 5.1.9.4 (CRC). */
 #ifndef FURROW_FORMATS_NAV_GALILEO_H
 #define FURROW_FORMATS_NAV_GALILEO_H
 
@@ -12,8 +11,7 @@
  * alert page) and its CRC holds. */
 extern const fw_nav_system fw_nav_inav;
 
-/* The same records with message 16 from GALRawFNAV: 244 bits of a page without its synchronisation pattern.
- */
+/* The same records with message 16 from GALRawFNAV: 244 bits of a page, synchronisation pattern apart. */
 extern const fw_nav_system fw_nav_fnav;
 
 #endif

@@ -62,8 +62,7 @@ static const fw_nav_field time_parameters[] = {
     {"kp", U, 0, 0, {{STRING_14, 26, 2}}},
 };
 
-/* GLONASS time (UTC + 3 h) minus GPS time [ms]. Past the end of the leap second table its last count holds.
- */
+/* GLONASS time (UTC + 3 h) minus GPS time [ms]. Past the end of the leap second table, its last count. */
 static int64_t moscow_minus_gps_ms(int64_t gps_ms)
 {
 	const fw_time t = {gps_ms * 1000000};
@@ -132,8 +131,8 @@ static bool hamming_holds(const uint8_t *bits)
 	for (int check = 0; check < 8; check++) {
 		unsigned ones = 0;
 		for (int i = 0; i < 11; i++)
-			ones ^= (unsigned)__builtin_popcount(bits[i] & masks[check][i]);
-		if (ones & 1)
+			ones ^= bits[i] & masks[check][i];
+		if (__builtin_parity(ones))
 			return false;
 	}
 	return true;

@@ -87,7 +87,7 @@ static uint32_t parity(uint32_t data, unsigned d29, unsigned d30)
 
 	for (int i = 0; i < 6; i++) {
 		const unsigned seed = i == 0 || i == 2 || i == 5 ? d29 : d30;
-		bits = bits << 1 | (((unsigned)__builtin_popcount(data & masks[i]) + seed) & 1);
+		bits = bits << 1 | ((unsigned)__builtin_parity(data & masks[i]) ^ seed);
 	}
 	return bits;
 }

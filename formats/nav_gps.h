@@ -9,8 +9,7 @@
 
 /* Records eph_gps, klobuchar, utc from the ten words of GPSRawCA and QZSRawL1CA, each right-aligned with its
  * six parity bits. A word that follows a transmitted D30 of 1 is stored inverted as a whole, which leaves the
- * 24 data bits as they were before transmission. A subframe counts only if the parity of all ten words holds.
- */
+ * 24 data bits as they were before transmission. A subframe counts only if all ten words hold. */
 extern const fw_nav_system fw_nav_lnav;
 
 #endif

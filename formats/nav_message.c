@@ -96,8 +96,9 @@ static uint64_t fingerprint(fw_kind kind, const void *record)
 	return hash | 1; /* 0 means "nothing emitted yet" */
 }
 
-/* Have all needed pages been received, and close enough to each other? */
-static bool complete(const fw_nav_message *message, const fw_nav_store *store)
+/* Have all needed pages been received, close enough to each other, and within the last hour? (Almanac data of
+ * a satellite that has set must not bring its old ephemeris back.) */
+static bool complete(const fw_nav_message *message, const fw_nav_store *store, int64_t now_ms)
 {
 	int64_t first = INT64_MAX, last = INT64_MIN;
 
@@ -110,7 +111,7 @@ static bool complete(const fw_nav_message *message, const fw_nav_store *store)
 		first = begin < first ? begin : first;
 		last = begin > last ? begin : last;
 	}
-	return last - first <= message->within_ms;
+	return last - first <= message->within_ms && now_ms - last <= 3600000;
 }
 
 static bool build(const fw_nav_message *message, const fw_nav_store *store, int64_t now_ms, void *record)
@@ -172,7 +173,7 @@ void fw_nav_take(const fw_nav_system *system, const fw_nav_arrival *arrival, int
 			continue;
 		if (news)
 			store->pending |= flag;
-		if (store->pending & flag && complete(message, store) &&
+		if (store->pending & flag && complete(message, store, now_ms) &&
 		    emit(message, arrival, now_ms, store, &store->sent[m], sink))
 			store->pending &= (uint16_t)~flag;
 	}

@@ -222,6 +222,10 @@ static inline char *put_fixed(char *p, double x, int decimals, bool trim)
 	assert(isfinite(x) && 0 <= decimals && decimals <= FW_FIXED_DECIMALS_MAX);
 	double magnitude = fabs(x);
 
+	if (magnitude == 0) { /* corrections that were not needed */
+		memcpy(p, "0.00000000000000000000000", 24);
+		return p + (trim || decimals == 0 ? 1 : 2 + decimals);
+	}
 	if (!(magnitude < (double)(int64_t)ten_to[16 - decimals]))
 		return isfinite(x) ? put_large(put_sign(p, x < 0), magnitude, decimals, trim) : p;
 	uint64_t scaled = scale(magnitude, decimals);

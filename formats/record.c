@@ -51,6 +51,7 @@ static const struct {
     {"obs_extra", "", "_dbhz", FW_TEXT_TRIMMED, 5}, /* steps of 1/32 */
     {"obs_extra", "", "_m2", FW_TEXT_FIXED, 4},     /* steps of 0.0001 */
     {"obs_extra", "", "_cyc2", FW_TEXT_FIXED, 6},   /* steps of 0.000001 */
+    {"obs_extra", "", "_hz2", FW_TEXT_FIXED, 6},    /* some hundred times as much */
     {"", "", "_deg", FW_TEXT_FIXED, 9},
     {"", "", "_m", FW_TEXT_FIXED, 4},
     {"", "", "_mps", FW_TEXT_FIXED, 4},
@@ -158,7 +159,7 @@ fw_kind fw_record_find(const char *name, size_t n)
 int fw_record_column(const fw_record_type *type, const char *name, size_t n)
 {
 	for (int i = 0; i < type->n_columns; i++)
-		if (strncmp(type->columns[i].name, name, n) == 0 && type->columns[i].name[n] == '\0')
+		if (strlen(type->columns[i].name) == n && memcmp(type->columns[i].name, name, n) == 0)
 			return i;
 	return -1;
 }

@@ -14,7 +14,13 @@
 
 #define SECONDS_PER_WEEK 604800.0
 
-enum { PVT_SAT_CARTESIAN = 4008, PVT_RESIDUALS = 4009, EXT_SENSOR_MEAS = 4050, EXT_EVENT = 5924, COMMENT = 5936 };
+enum {
+	PVT_SAT_CARTESIAN = 4008,
+	PVT_RESIDUALS = 4009,
+	EXT_SENSOR_MEAS = 4050,
+	EXT_EVENT = 5924,
+	COMMENT = 5936
+};
 
 /* ---- One value ------------------------------------------------------------------------------------------ */
 
@@ -138,7 +144,7 @@ static void write_absent(const fw_sbf_step *step, uint8_t *p)
 static void write_hex(const fw_sbf_field *field, const char *digits, uint8_t *p)
 {
 	static const char alphabet[] = "0123456789ABCDEF";
-	for (unsigned i = 0; digits[i] && i < field->count * 8U; i++) {
+	for (unsigned i = 0; i < field->count * 8U && digits[i]; i++) {
 		const char *digit = strchr(alphabet, digits[i]);
 		uint32_t raw = digit ? (uint32_t)(digit - alphabet) : 0;
 		or_bytes(p + i / 8 * 4, 4, raw << (28 - i % 8 * 4));
@@ -176,7 +182,9 @@ static void write_values(const fw_sbf_plans *plans, fw_sbf_steps steps, const vo
 		case SBF_SIGNAL:
 			write_signal(step, read_string(member), system_of(plans, steps, record), p);
 			break;
-		case SBF_TEXT: memcpy(p, read_string(member), strnlen(read_string(member), field->count)); break;
+		case SBF_TEXT:
+			memcpy(p, read_string(member), strnlen(read_string(member), field->count));
+			break;
 		case SBF_HEX: write_hex(field, read_string(member), p); break;
 		default: break; /* what the wire does not carry */
 		}
@@ -194,7 +202,8 @@ static bool has_any(const fw_sbf_plans *plans, fw_sbf_steps steps, const void *r
 /* ---- A block -------------------------------------------------------------------------------------------- */
 
 /* The optional parts that the record has something for. */
-static size_t write_parts(const fw_sbf_plans *plans, const fw_sbf_schema *schema, const void *record, uint8_t *block)
+static size_t write_parts(const fw_sbf_plans *plans, const fw_sbf_schema *schema, const void *record,
+                          uint8_t *block)
 {
 	size_t at = schema->size;
 	for (unsigned g = 0; g < schema->n_groups; g++) {
@@ -210,8 +219,8 @@ static size_t write_parts(const fw_sbf_plans *plans, const fw_sbf_schema *schema
 	return at;
 }
 
-static fw_status write_rows(const fw_sbf_plans *plans, const fw_sbf_schema *schema, const void *const *records,
-                            size_t n, uint8_t *block, size_t *end)
+static fw_status write_rows(const fw_sbf_plans *plans, const fw_sbf_schema *schema,
+                            const void *const *records, size_t n, uint8_t *block, size_t *end)
 {
 	const fw_sbf_group *group = schema->groups;
 	fw_sbf_steps steps = plans->plan[schema - fw_sbf_schemas].group[0];
@@ -243,8 +252,9 @@ static void stamp_of(const fw_sbf_schema *schema, const void *record, uint32_t *
 	const furrow_event *event = record;
 	if (schema->id == EXT_EVENT && event->present & BIT(FW_COL_event_rx_tow_s)) {
 		/* How many ends of weeks lie between stamp and event: -1, 0 or 1. */
-		double weeks = round((event->rx_tow_s + event->offset_s - event->clock_bias_s - event->tow_s) /
-				     SECONDS_PER_WEEK);
+		double weeks =
+		    round((event->rx_tow_s + event->offset_s - event->clock_bias_s - event->tow_s) /
+		          SECONDS_PER_WEEK);
 		head.gps_week -= (weeks > 0) - (weeks < 0);
 		head.tow_s = event->rx_tow_s;
 		head.present |= BIT(1);

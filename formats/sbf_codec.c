@@ -69,7 +69,8 @@ static fw_status visit_fields(walk *w, const fw_sbf_field *fields, size_t n, siz
 
 /* All sub-blocks of a group, from *at on; parent and size as in fw_sbf_group_count. The table says how deep groups
  * nest, never the block. */
-static fw_status visit_group(walk *w, const fw_sbf_group *group, const uint8_t *parent, size_t parent_size, size_t *at)
+static fw_status visit_group(walk *w, const fw_sbf_group *group, const uint8_t *parent, size_t parent_size,
+                             size_t *at)
 {
 	size_t count = fw_sbf_group_count(group, parent, parent_size);
 	size_t size = fw_sbf_group_size(group, w->block, w->length);
@@ -130,7 +131,8 @@ fw_status fw_sbf_encode(const fw_sbf_values *v, uint8_t *block)
 	return FW_OK;
 }
 
-void fw_sbf_seal(uint8_t *block, uint16_t id, uint8_t revision, uint16_t length, uint32_t tow_ms, uint16_t week)
+void fw_sbf_seal(uint8_t *block, uint16_t id, uint8_t revision, uint16_t length, uint32_t tow_ms,
+                 uint16_t week)
 {
 	block[0] = '$';
 	block[1] = '@';

@@ -34,16 +34,16 @@ fw_status fw_sbf_decode(const uint8_t *block, fw_sbf_values *v) FW_MUST_CHECK;
 fw_status fw_sbf_encode(const fw_sbf_values *v, uint8_t *block) FW_MUST_CHECK;
 
 /* Makes a block of `length` bytes whose body is written: puts sync, CRC and header in front of it. */
-void fw_sbf_seal(uint8_t *block, uint16_t id, uint8_t revision, uint16_t length, uint32_t tow_ms, uint16_t week);
+void fw_sbf_seal(uint8_t *block, uint16_t id, uint8_t revision, uint16_t length, uint32_t tow_ms,
+                 uint16_t week);
 
 /* The pieces that whoever walks a block by its table needs. */
 
 /* Length of a wire type [bytes]. */
 static inline size_t fw_sbf_type_size(uint8_t type)
 {
-	static const uint8_t size[] = {
-		[SBF_U1] = 1, [SBF_U2] = 2, [SBF_U4] = 4, [SBF_I1] = 1, [SBF_I2] = 2,
-		[SBF_I4] = 4, [SBF_F4] = 4, [SBF_F8] = 8, [SBF_C1] = 1};
+	static const uint8_t size[] = {[SBF_U1] = 1, [SBF_U2] = 2, [SBF_U4] = 4, [SBF_I1] = 1, [SBF_I2] = 2,
+	                               [SBF_I4] = 4, [SBF_F4] = 4, [SBF_F8] = 8, [SBF_C1] = 1};
 	return size[type];
 }
 

@@ -6,12 +6,8 @@
 #include "formats/sbas_message.h"
 #include "formats/sbf_schema.h"
 #include "formats/sbf_signal.h"
-#include "furrow_att.h"
-#include "furrow_att_columns.h"
 #include "furrow_imu.h"
 #include "furrow_imu_columns.h"
-#include "furrow_pvt.h"
-#include "furrow_pvt_columns.h"
 
 enum {
 	MEAS_EXTRA = 4000,
@@ -22,6 +18,7 @@ enum {
 	MEAS3_LAST = 4113,
 	IMU_SETUP = 4224,
 	END_OF_PVT = 5921,
+	END_OF_MEAS = 5922,
 	END_OF_ATT = 5943
 };
 
@@ -62,45 +59,22 @@ static void emit(const fw_sbf_decoder *d, fw_kind kind, const void *record)
 
 /* ---- records that are put together ---- */
 
-/* A standard deviation from a variance, if there is one. */
-static void derive_sd(int64_t *present, int variance_column, float variance, int column, double *sd)
-{
-	if ((*present >> variance_column & 1) && variance >= 0) {
-		*sd = sqrt((double)variance);
-		*present |= INT64_C(1) << column;
-	}
-}
-
-static void complete_pvt(furrow_pvt *p)
-{
-	derive_sd(&p->present, FW_COL_pvt_cov_nn_m2, p->cov_nn_m2, FW_COL_pvt_sd_n_m, &p->sd_n_m);
-	derive_sd(&p->present, FW_COL_pvt_cov_ee_m2, p->cov_ee_m2, FW_COL_pvt_sd_e_m, &p->sd_e_m);
-	derive_sd(&p->present, FW_COL_pvt_cov_dd_m2, p->cov_dd_m2, FW_COL_pvt_sd_d_m, &p->sd_d_m);
-}
-
-static void complete_att(furrow_att *a)
-{
-	derive_sd(&a->present, FW_COL_att_cov_rr_deg2, a->cov_rr_deg2, FW_COL_att_sd_roll_deg, &a->sd_roll_deg);
-	derive_sd(&a->present, FW_COL_att_cov_pp_deg2, a->cov_pp_deg2, FW_COL_att_sd_pitch_deg, &a->sd_pitch_deg);
-	derive_sd(&a->present, FW_COL_att_cov_hh_deg2, a->cov_hh_deg2, FW_COL_att_sd_heading_deg,
-	          &a->sd_heading_deg);
-}
-
 static void close_record(fw_sbf_decoder *d, int which)
 {
-	fw_any_record *record = &d->pending[which].record;
 	if (d->pending[which].parts == 0)
 		return;
 	d->pending[which].parts = 0;
-	if (which == PVT)
-		complete_pvt((furrow_pvt *)record);
-	else if (which == ATT)
-		complete_att((furrow_att *)record);
-	emit(d, merged_kinds[which], record);
+	emit(d, merged_kinds[which], &d->pending[which].record);
 }
 
 void fw_sbf_decoder_flush(fw_sbf_decoder *d)
 {
+	const fw_sbf_meas3_stats *m = &d->meas3.stats;
+	fw_sbf_meas3_flush(&d->meas3);
+	d->stats.other_antenna += m->other_antenna;
+	d->stats.scrambled += m->scrambled;
+	d->stats.no_reference += m->lost_epochs;
+	d->stats.malformed += m->malformed;
 	for (int which = 0; which < FW_SBF_MERGED; which++)
 		close_record(d, which);
 }
@@ -169,6 +143,20 @@ static void put_sensor(void *context, fw_kind kind, const void *record)
 		close_record(d, IMU);
 }
 
+/* ---- measurements ---- */
+
+/* What Meas3 says, unless the same epoch has come as MeasEpoch. */
+static void put_meas3(void *context, fw_kind kind, const void *record)
+{
+	fw_sbf_decoder *d = context;
+	const fw_record_head *head = record;
+	const fw_record_head known = {(d->channels.week != FW_SBF_NO_WEEK ? 1 : 0) |
+	                                      (d->channels.tow_ms != FW_SBF_NO_TOW ? 2 : 0),
+	                              d->channels.week, d->channels.tow_ms / 1000.0};
+	if (!(d->seen[MEAS_EPOCH] && same_stamp(head, &known)))
+		emit(d, kind, record);
+}
+
 /* ---- navigation ---- */
 
 static void put_raw(void *context, fw_kind kind, const void *record)
@@ -205,12 +193,12 @@ static void decode_page(fw_sbf_decoder *d, const fw_sbf_block *block)
 /* What is to be done with a block; flags go with it. */
 enum {
 	UNKNOWN,    /* count it */
-	COMPRESSED, /* count it */
 	PASS_OVER,  /* nothing that was asked for is in it */
 	TABLE,      /* one record, or one for each sub-block, by the schema */
 	PART,       /* of a merged record */
 	MEASUREMENTS,
 	EXTRA,
+	MEAS3,
 	SENSORS,
 	CLOSE_PVT,
 	CLOSE_ATT,
@@ -219,6 +207,8 @@ enum {
 	PAGE = 32,      /* raw navigation page to be decoded */
 	MESSAGE = 64    /* raw SBAS message to be decoded */
 };
+
+static const fw_kind measured[] = {FW_obs, FW_epoch, FW_obs_extra};
 
 static int any_wanted(const fw_sbf_decoder_options *o, const fw_kind *kinds, size_t n)
 {
@@ -238,12 +228,13 @@ static int is_part(uint16_t id)
 
 static uint8_t choose_action(const fw_sbf_schema *schema, const fw_sbf_decoder_options *o)
 {
-	static const fw_kind measured[] = {FW_obs, FW_epoch, FW_obs_extra}, sensed[] = {FW_imu, FW_ext_sensor};
+	static const fw_kind sensed[] = {FW_imu, FW_ext_sensor};
 	switch (schema->id) {
 	case MEAS_EPOCH: return any_wanted(o, measured, 3) ? MEASUREMENTS : PASS_OVER;
 	case MEAS_EXTRA: return any_wanted(o, &measured[2], 1) ? EXTRA : PASS_OVER;
 	case EXT_SENSOR_MEAS: return any_wanted(o, sensed, 2) ? SENSORS : PASS_OVER;
 	case IMU_SETUP: return TABLE; /* later samples need it */
+	case END_OF_MEAS: return any_wanted(o, measured, 3) ? MEAS3 : PASS_OVER;
 	case END_OF_PVT: return CLOSE_PVT;
 	case END_OF_ATT: return CLOSE_ATT;
 	default: break;
@@ -261,7 +252,7 @@ static void choose_actions(fw_sbf_decoder *d)
 
 	memset(d->actions, UNKNOWN, sizeof d->actions);
 	for (unsigned id = MEAS3_FIRST; id <= MEAS3_LAST; id++)
-		d->actions[id] = COMPRESSED;
+		d->actions[id] = any_wanted(o, measured, 3) ? MEAS3 | NEW_EPOCH : PASS_OVER;
 	for (int i = 0; i < fw_sbf_n_schemas; i++) {
 		const fw_sbf_schema *schema = &fw_sbf_schemas[i];
 		uint8_t action = choose_action(schema, o);
@@ -278,6 +269,7 @@ static void choose_actions(fw_sbf_decoder *d)
 void fw_sbf_decoder_init(fw_sbf_decoder *d, const fw_sbf_decoder_options *options, fw_sink sink)
 {
 	memset(&d->stats, 0, sizeof d->stats);
+	memset(d->seen, 0, sizeof d->seen);
 	d->options = *options;
 	d->sink = sink;
 	fw_sbf_plans_init(&d->plans);
@@ -287,6 +279,7 @@ void fw_sbf_decoder_init(fw_sbf_decoder *d, const fw_sbf_decoder_options *option
 	d->epoch_week = FW_SBF_NO_WEEK;
 	for (int which = 0; which < FW_SBF_MERGED; which++)
 		d->pending[which].parts = 0;
+	fw_sbf_meas3_init(&d->meas3, options->antennas, &options->wanted, (fw_sink){put_meas3, d});
 	choose_actions(d);
 }
 
@@ -308,15 +301,18 @@ void fw_sbf_decoder_put(fw_sbf_decoder *d, const fw_sbf_block *block)
 	const uint8_t action = d->actions[block->id];
 	const uint16_t length = (uint16_t)block->length;
 
+	d->seen[block->id] = true;
 	if (action & NEW_EPOCH)
 		follow_epoch(d, block);
 	switch (action & ACTION) {
 	case UNKNOWN: d->stats.unknown++; break;
-	case COMPRESSED: d->stats.compressed++; break;
 	case TABLE: put_by_table(d, block, d->sink); break;
+	case MEAS3: (void)!fw_sbf_meas3_put(&d->meas3, block->data, length); break; /* it counts what is wrong */
 	case SENSORS: put_by_table(d, block, (fw_sink){put_sensor, d}); break;
 	case PART: put_part(d, block); break;
 	case MEASUREMENTS:
+		if (fw_sbf_is_scrambled(block->data, length))
+			d->stats.scrambled++;
 		d->stats.other_antenna += fw_sbf_meas_epoch(block->data, length, d->options.antennas, &d->options.wanted,
 		                                            d->sink, &d->channels);
 		break;
@@ -341,6 +337,20 @@ const char *fw_sbf_decoder_records(uint16_t id)
 	case MEAS_EPOCH: return "obs epoch";
 	case MEAS_EXTRA: return "obs_extra";
 	case EXT_SENSOR_MEAS: return "imu ext_sensor";
+	case MEAS3_FIRST: return "obs epoch obs_extra";
 	default: return schema != NULL && schema->kind != FW_RECORD_COUNT ? fw_record_type_of(schema->kind)->name : "";
+	}
+}
+
+void fw_sbf_decoder_offered(const fw_sbf_decoder *d, fw_kind_set *offered)
+{
+	for (unsigned id = 0; id < FW_SBF_IDS; id++) {
+		if (!d->seen[id])
+			continue;
+		for (const char *name = fw_sbf_decoder_records((uint16_t)id); *name != '\0';) {
+			size_t n = strcspn(name, " ");
+			fw_kind_add(offered, fw_record_find(name, n));
+			name += n + (name[n] == ' ');
+		}
 	}
 }

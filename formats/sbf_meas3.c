@@ -200,17 +200,6 @@ static int sign_extend(unsigned value, unsigned n)
 
 /* ---- the extensions ---- */
 
-static uint32_t look_bits(const bits *b, unsigned n)
-{
-	uint32_t value = 0;
-	for (unsigned i = 0; i < n; i++) {
-		size_t at = b->next + i;
-		if (at < b->end)
-			value |= (uint32_t)(b->p[at / 8] >> at % 8 & 1) << i;
-	}
-	return value;
-}
-
 /* Takes n bits; 0 when there are not so many, and then there are none left. */
 static int take_bits(bits *b, unsigned n, uint32_t *value)
 {
@@ -218,8 +207,9 @@ static int take_bits(bits *b, unsigned n, uint32_t *value)
 		b->next = b->end;
 		return 0;
 	}
-	*value = look_bits(b, n);
-	b->next += n;
+	*value = 0;
+	for (unsigned i = 0; i < n; i++, b->next++)
+		*value |= (uint32_t)(b->p[b->next / 8] >> b->next % 8 & 1) << i;
 	return 1;
 }
 
@@ -244,19 +234,20 @@ static int take_rate(bytes *b, int32_t *rate_mmps)
 	return 1;
 }
 
+/* A master's rate comes on top of that of the reference epoch, a slave's on top of its master's. */
 static void take_doppler(walk *w, int is_master, extension *x)
 {
 	int32_t rate;
-	int known = take_rate(&w->doppler, &rate) && rate != NO_MASTER_RATE;
+	int known =
+	    take_rate(&w->doppler, &rate) && rate != NO_MASTER_RATE && (is_master || rate != NO_SLAVE_RATE);
+	int64_t base_mmps = w->master_rate_mmps;
 	if (is_master) {
+		base_mmps = is_referred(w) ? w->old->rate * 64 : 0;
 		w->master_rate_known = known;
-		w->master_rate_mmps = known ? rate + (is_referred(w) ? w->old->rate * 64 : 0) : 0;
-	} else if (!w->master_rate_known || !known || rate == NO_SLAVE_RATE) {
-		return;
+		w->master_rate_mmps = known ? base_mmps + rate : 0;
 	}
-	if (known) {
-		int64_t total = w->master_rate_mmps + (is_master ? 0 : rate);
-		x->range_rate_mps = (double)total / 1000.0;
+	if (known && w->master_rate_known) {
+		x->range_rate_mps = (double)(base_mmps + rate) / 1000.0;
 		x->known |= 1 << DOPPLER;
 	}
 }

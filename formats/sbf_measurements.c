@@ -207,6 +207,11 @@ static void emit_epoch(const uint8_t *block, const furrow_obs *head, unsigned n_
 	sink.put(sink.context, FW_epoch, &e);
 }
 
+int fw_sbf_is_scrambled(const uint8_t *block, uint16_t length)
+{
+	return length >= HEADER && (block[17] & COMMON_SCRAMBLED) != 0;
+}
+
 unsigned fw_sbf_meas_epoch(const uint8_t *block, uint16_t length, unsigned antennas, const fw_kind_set *wanted,
                            fw_sink sink, fw_sbf_channels *channels)
 {
@@ -215,7 +220,7 @@ unsigned fw_sbf_meas_epoch(const uint8_t *block, uint16_t length, unsigned anten
 	const uint8_t *end = block + length, *p = block + HEADER;
 	unsigned size1 = block[15], size2 = block[16], n_signals = 0, left_out = 0;
 	int e6b = (block[17] & COMMON_E6B) != 0;
-	int want_obs = fw_kind_in(wanted, FW_obs);
+	int want_obs = fw_kind_in(wanted, FW_obs) && !fw_sbf_is_scrambled(block, length);
 	furrow_obs shared = {0}, o;
 
 	channels->tow_ms = fw_load_u32(block + 8);
@@ -283,7 +288,7 @@ static int extra(const uint8_t *p, unsigned size, float doppler_factor, furrow_o
 		x->carrier_var_cyc2 = carrier_var / 1e6;
 		x->present |= BIT(FW_COL_obs_extra_carrier_var_cyc2);
 		if (doppler_factor >= 0 && doppler_factor < 1e30f) {
-			x->doppler_var_hz2 = (float)x->carrier_var_cyc2 * doppler_factor;
+			x->doppler_var_hz2 = x->carrier_var_cyc2 * (double)doppler_factor;
 			x->present |= BIT(FW_COL_obs_extra_doppler_var_hz2);
 		}
 	}
@@ -477,7 +482,8 @@ fw_status fw_sbf_encode_meas_epoch(const furrow_epoch *epoch, const furrow_obs *
 		unsigned number = find_signal(o);
 		if (number >= 64 || fw_sbf_svid(o->sat) == 0)
 			return FW_EUNKNOWN;
-		if (p - block > FW_SBF_MAX_LENGTH - TYPE1 || n1 == UINT8_MAX)
+		if (p - block > FW_SBF_MAX_LENGTH - TYPE1 || n1 == UINT8_MAX ||
+		    (parent_block != NULL && parent_block[19] == UINT8_MAX))
 			return FW_ERANGE;
 		fw_status status;
 		if (first != NULL && strcmp(first->sat, o->sat) == 0 && first->rx_channel == o->rx_channel) {

@@ -22,8 +22,11 @@ typedef struct {
 /* The antennas whose observations are wanted: bit 0 main, 1 aux1, 2 aux2. */
 enum { FW_ANTENNA_MAIN = 1, FW_ANTENNA_AUX1 = 2, FW_ANTENNA_AUX2 = 4, FW_ANTENNA_ALL = 255 };
 
+/* Whether a MeasEpoch block holds scrambled measurements (CommonFlags bit 7), which only Septentrio can read. */
+int fw_sbf_is_scrambled(const uint8_t *block, uint16_t length);
+
 /* Emits `epoch` and one `obs` per satellite and signal of a MeasEpoch block, each kind only if it is in `wanted`,
- * and notes the channels. Returns the number of observations left out because of their antenna. */
+ * and notes the channels; of a scrambled block only the epoch. Returns the number of observations left out because of their antenna. */
 unsigned fw_sbf_meas_epoch(const uint8_t *block, uint16_t length, unsigned antennas, const fw_kind_set *wanted,
                            fw_sink sink, fw_sbf_channels *channels);
 

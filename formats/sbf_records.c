@@ -18,7 +18,13 @@
 /* A raw value that no integer field can have. */
 #define NEVER INT64_MIN
 
-enum { EXT_SENSOR_MEAS = 4050, PVT_SAT_CARTESIAN = 4008, RECEIVER_STATUS = 4014, EXT_EVENT = 5924, COMMENT = 5936 };
+enum {
+	EXT_SENSOR_MEAS = 4050,
+	PVT_SAT_CARTESIAN = 4008,
+	RECEIVER_STATUS = 4014,
+	EXT_EVENT = 5924,
+	COMMENT = 5936
+};
 
 /* ---- Plans ---------------------------------------------------------------------------------------------- */
 
@@ -63,25 +69,26 @@ static fw_sbf_steps plan_fields(fw_sbf_plans *plans, fw_kind kind, const fw_sbf_
 	const fw_record_type *type = kind < FW_RECORD_COUNT ? fw_record_type_of(kind) : NULL;
 	for (unsigned i = 0; type && i < n; i++) {
 		const fw_sbf_field *field = &fields[i];
-		int column = field->column ? fw_record_column(type, field->column, strlen(field->column)) : -1;
+		int column =
+		    field->column ? fw_record_column(type, field->column, strlen(field->column)) : -1;
 		if (column < 0)
 			continue;
 		assert(plans->n_steps < FW_SBF_MAX_STEPS);
 		plans->steps[plans->n_steps++] = (fw_sbf_step){
-			.field = field,
-			.mul = field->mul < 0 || field->mul > 0 ? field->mul : 1,
-			.div = field->div > 0 ? field->div : 1,
-			.add = field->add,
-			.do_not_use = do_not_use(field),
-			.mask = field->width > 0 && field->width < 63 ? BIT(field->width) - 1 : -1,
-			.offset = field->offset,
-			.end = end_of(field),
-			.action = action_of(field),
-			.type = field->type,
-			.shift = field->shift,
-			.member = type->columns[column].offset,
-			.column = (uint8_t)column,
-			.column_type = (uint8_t)type->columns[column].type,
+		    .field = field,
+		    .mul = field->mul < 0 || field->mul > 0 ? field->mul : 1,
+		    .div = field->div > 0 ? field->div : 1,
+		    .add = field->add,
+		    .do_not_use = do_not_use(field),
+		    .mask = field->width > 0 && field->width < 63 ? BIT(field->width) - 1 : -1,
+		    .offset = field->offset,
+		    .end = end_of(field),
+		    .action = action_of(field),
+		    .type = field->type,
+		    .shift = field->shift,
+		    .member = type->columns[column].offset,
+		    .column = (uint8_t)column,
+		    .column_type = (uint8_t)type->columns[column].type,
 		};
 		steps.n++;
 	}
@@ -97,7 +104,7 @@ void fw_sbf_plans_init(fw_sbf_plans *plans)
 		plans->plan[i].fixed = plan_fields(plans, s->kind, s->fields, s->n_fields);
 		for (unsigned g = 0; g < s->n_groups; g++)
 			plans->plan[i].group[g] =
-				plan_fields(plans, s->kind, s->groups[g].fields, s->groups[g].n_fields);
+			    plan_fields(plans, s->kind, s->groups[g].fields, s->groups[g].n_fields);
 		const fw_sbf_group *nested = s->n_groups > 0 ? s->groups[0].nested : NULL;
 		if (nested)
 			plans->plan[i].nested = plan_fields(plans, s->kind, nested->fields, nested->n_fields);
@@ -175,21 +182,32 @@ static const char *keep_text(fw_sbf_plans *plans, const uint8_t *p, size_t n)
 	return text;
 }
 
+/* The eight hexadecimal digits of a word, the first one in the lowest byte: each nibble to a byte of its own, then
+ * 0..9 to '0'..'9' and 10..15 to 'A'..'F' in all lanes at once. */
+static uint64_t hex_digits(uint32_t word)
+{
+	uint64_t lanes = __builtin_bswap32(word);
+	lanes = (lanes | lanes << 16) & UINT64_C(0x0000FFFF0000FFFF);
+	lanes = (lanes | lanes << 8) & UINT64_C(0x00FF00FF00FF00FF);
+	lanes = (lanes >> 4 | lanes << 8) & UINT64_C(0x0F0F0F0F0F0F0F0F);
+	uint64_t letters = (lanes + UINT64_C(0x0606060606060606)) >> 4 & UINT64_C(0x0101010101010101);
+	return lanes + UINT64_C(0x3030303030303030) + letters * ('A' - '0' - 10);
+}
+
 /* The first `bits` bits of the words at p, in hexadecimal; bits behind them in the last digit are 0. */
 static const char *keep_hex(fw_sbf_plans *plans, const uint8_t *p, unsigned bits)
 {
-	char *text = plans->text + plans->text_used, *end = text;
-	assert(plans->text_used + bits / 4 + 1 < sizeof plans->text);
-	for (; bits > 0; p += 4) {
+	char *text = plans->text + plans->text_used;
+	unsigned digits = (bits + 3) / 4;
+	assert(plans->text_used + digits + 8 < sizeof plans->text);
+	for (unsigned done = 0; done < bits; done += 32, p += 4) {
 		uint32_t word = fw_load_u32(p);
-		unsigned now = bits < 32 ? bits : 32;
-		word &= UINT32_MAX << (32 - now);
-		for (unsigned i = 0; i < now; i += 4)
-			*end++ = "0123456789ABCDEF"[word << i >> 28];
-		bits -= now;
+		if (bits - done < 32)
+			word &= ~(UINT32_MAX >> (bits - done));
+		fw_store_u64((uint8_t *)text + done / 4, hex_digits(word));
 	}
-	*end++ = '\0';
-	plans->text_used += (size_t)(end - text);
+	text[digits] = '\0';
+	plans->text_used += digits + 1;
 	return text;
 }
 
@@ -211,7 +229,8 @@ static const char *text_of(fw_sbf_plans *plans, const fw_sbf_field *field, const
 }
 
 /* One step; `index` is the number of the sub-block, from 1. Returns whether there is a value. */
-static bool put_value(fw_sbf_plans *plans, const fw_sbf_step *step, const uint8_t *start, size_t index, char *member)
+static bool put_value(fw_sbf_plans *plans, const fw_sbf_step *step, const uint8_t *start, size_t index,
+                      char *member)
 {
 	const uint8_t *p = start + step->offset;
 	double x;
@@ -227,7 +246,8 @@ static bool put_value(fw_sbf_plans *plans, const fw_sbf_step *step, const uint8_
 
 static void put_nothing(const fw_sbf_step *step, char *member)
 {
-	static const uint8_t sizes[] = {[FW_I8] = 1, [FW_I16] = 2, [FW_I32] = 4, [FW_I64] = 8, [FW_F32] = 4, [FW_F64] = 8};
+	static const uint8_t sizes[] = {
+	    [FW_I8] = 1, [FW_I16] = 2, [FW_I32] = 4, [FW_I64] = 8, [FW_F32] = 4, [FW_F64] = 8};
 	static const char *const empty = "";
 	if (step->column_type == FW_STR)
 		memcpy(member, &empty, sizeof empty);
@@ -241,12 +261,13 @@ static void put_nothing(const fw_sbf_step *step, char *member)
  * entitle the compiler to believe that it points to another record. */
 
 /* Walks over the steps of the `size` bytes at `start`, a block or sub-block. */
-static void put_values(fw_sbf_plans *plans, fw_sbf_steps steps, const uint8_t *start, size_t size, size_t index,
-                       void *record)
+static void put_values(fw_sbf_plans *plans, fw_sbf_steps steps, const uint8_t *start, size_t size,
+                       size_t index, void *record)
 {
 	int64_t present;
 	memcpy(&present, record, sizeof present);
-	for (const fw_sbf_step *step = plans->steps + steps.first, *end = step + steps.n; step < end; step++) {
+	for (const fw_sbf_step *step = plans->steps + steps.first, *end = step + steps.n; step < end;
+	     step++) {
 		char *member = (char *)record + step->member;
 		if (step->end <= size && put_value(plans, step, start, index, member)) {
 			present |= BIT(step->column);
@@ -311,7 +332,8 @@ static void put_parts(fw_sbf_plans *plans, const fw_sbf_schema *schema, const ui
 		const fw_sbf_group *group = &schema->groups[g];
 		if (fw_sbf_group_count(group, block, length) == 0)
 			continue;
-		put_values(plans, plans->plan[schema - fw_sbf_schemas].group[g], block + at, group->size, 0, record);
+		put_values(plans, plans->plan[schema - fw_sbf_schemas].group[g], block + at, group->size, 0,
+		           record);
 		at += group->size;
 	}
 }
@@ -385,13 +407,15 @@ typedef struct {
 	fw_sink sink;
 } rows;
 
-static void emit_nested(const rows *r, const fw_sbf_group *group, const uint8_t *sub, size_t sub_size, size_t *at)
+static void emit_nested(const rows *r, const fw_sbf_group *group, const uint8_t *sub, size_t sub_size,
+                        size_t *at)
 {
 	size_t count = fw_sbf_group_count(group, sub, sub_size);
 	size_t size = fw_sbf_group_size(group, r->block, r->length);
 	for (size_t k = 0; k < count; k++, *at += size) {
 		const uint8_t *p = r->block + *at;
-		put_values(r->plans, r->plans->plan[r->schema - fw_sbf_schemas].nested, p, size, k + 1, r->record);
+		put_values(r->plans, r->plans->plan[r->schema - fw_sbf_schemas].nested, p, size, k + 1,
+		           r->record);
 		fw_sbf_set_quantity(r->record, sub[group->count_offset], (unsigned)k, p, size);
 		r->sink.put(r->sink.context, r->schema->kind, r->record);
 	}

@@ -39,11 +39,11 @@ typedef struct {
 typedef struct {
 	struct {
 		fw_sbf_steps fixed, group[FW_SBF_MAX_GROUPS], nested; /* nested: in group 0 */
-	} plan[FW_SBF_MAX_SCHEMAS]; /* in the order of fw_sbf_schemas */
+	} plan[FW_SBF_MAX_SCHEMAS];                                   /* in the order of fw_sbf_schemas */
 	uint16_t n_steps;
 	fw_sbf_step steps[FW_SBF_MAX_STEPS];
-	bool mounted;                     /* an IMUSetup block was seen */
-	double C_vehicle_sensor[9];       /* 3 x 3, row-major: x_vehicle = C x_sensor */
+	bool mounted;               /* an IMUSetup block was seen */
+	double C_vehicle_sensor[9]; /* 3 x 3, row-major: x_vehicle = C x_sensor */
 	size_t text_used;
 	char text[FW_SBF_MAX_LENGTH + 1024]; /* the strings of the record at hand */
 } fw_sbf_plans;

@@ -8,7 +8,9 @@
 
 /* A table line reads like a line of the reference guide: type("Name", offset, what becomes of it). */
 #define FIELD(name_, offset_, type_, ...)                                                                    \
-	{.name = (name_), .offset = (offset_), .count = 1, .type = (type_), __VA_ARGS__}
+	{                                                                                                    \
+		.name = (name_), .offset = (offset_), .count = 1, .type = (type_), __VA_ARGS__               \
+	}
 #define U1(name, offset, ...) FIELD(name, offset, SBF_U1, __VA_ARGS__)
 #define U2(name, offset, ...) FIELD(name, offset, SBF_U2, __VA_ARGS__)
 #define U4(name, offset, ...) FIELD(name, offset, SBF_U4, __VA_ARGS__)
@@ -20,14 +22,20 @@
 #define C1(name, offset, ...) FIELD(name, offset, SBF_C1, __VA_ARGS__)
 
 #define ARRAY(name_, offset_, type_, count_)                                                                 \
-	{.name = (name_), .offset = (offset_), .count = (count_), .type = SBF_##type_}
+	{                                                                                                    \
+		.name = (name_), .offset = (offset_), .count = (count_), .type = SBF_##type_                 \
+	}
 #define RESERVED(offset, count) ARRAY("reserved", offset, U1, count)
 #define TEXT(name_, offset_, count_, column_)                                                                \
-	{.name = (name_), .offset = (offset_), .count = (count_), .type = SBF_C1, .convert = SBF_TEXT,       \
-	 .column = (column_)}
+	{                                                                                                    \
+		.name = (name_), .offset = (offset_), .count = (count_), .type = SBF_C1,                     \
+		.convert = SBF_TEXT, .column = (column_)                                                     \
+	}
 #define HEX(name_, offset_, count_, column_)                                                                 \
-	{.name = (name_), .offset = (offset_), .count = (count_), .type = SBF_U4, .convert = SBF_HEX,        \
-	 .column = (column_)}
+	{                                                                                                    \
+		.name = (name_), .offset = (offset_), .count = (count_), .type = SBF_U4, .convert = SBF_HEX, \
+		.column = (column_)                                                                          \
+	}
 
 /* Views. */
 #define BITS(name, offset, type, shift_, width_, ...)                                                        \
@@ -38,41 +46,53 @@
 #define DECODED                       CONSTANT("decoded", "source")
 
 /* What becomes of a field. */
-#define TO(column_)        .column = (column_)
-#define AS(convert_)       .convert = SBF_##convert_
-#define TIMES(factor)      .mul = (factor)
-#define PER(divisor)       .div = (divisor)
-#define PLUS(term)         .add = (term)
-#define DNU                .dnu = SBF_DNU
-#define DNU_ZERO           .dnu = SBF_DNU_ZERO
-#define RAD_TO_DEG         TIMES(180 / M_PI)
-#define SEMICIRCLES        TIMES(GPS_PI)
-#define KILO               TIMES(1000)
-#define NEGATED            TIMES(-1)
+#define TO(column_)                     .column = (column_)
+#define AS(convert_)                    .convert = SBF_##convert_
+#define TIMES(factor)                   .mul = (factor)
+#define PER(divisor)                    .div = (divisor)
+#define PLUS(term)                      .add = (term)
+#define DNU                             .dnu = SBF_DNU
+#define DNU_ZERO                        .dnu = SBF_DNU_ZERO
+#define RAD_TO_DEG                      TIMES(180 / M_PI)
+#define SEMICIRCLES                     TIMES(GPS_PI)
+#define KILO                            TIMES(1000)
+#define NEGATED                         TIMES(-1)
 #define SATELLITE(name, offset, column) U1(name, offset, TO(column), AS(SATELLITE))
 #define GLO_CHANNEL(name, offset)       U1(name, offset, TO("glonass_channel"), PLUS(-8), DNU_ZERO)
 
 /* Groups: where the first sub-block starts, what counts them, how long they are. */
-#define COUNT_U1(start_, at)          .start = (start_), .count = SBF_COUNT_U1, .count_offset = (at)
-#define COUNT_U2(start_, at)          .start = (start_), .count = SBF_COUNT_U2, .count_offset = (at)
-#define COUNT_BIT(start_, at, bit)    .start = (start_), .count = SBF_COUNT_BIT, .count_offset = (at), .count_bit = (bit)
-#define COUNT_BITS(at, bits)          .count = SBF_COUNT_BITS, .count_offset = (at), .count_bit = (bits)
-#define COUNT_FIXED(start_, times)    .start = (start_), .count = SBF_COUNT_FIXED, .count_bit = (times)
-#define SIZE(size_)                   .size = (size_)
-#define SIZE_AT(at, size_)            .size_offset = (at), .size = (size_)
-#define FIELDS(list)                  .n_fields = sizeof(list) / sizeof((list)[0]), .fields = (list)
-#define GROUPS(list)                  .n_groups = sizeof(list) / sizeof((list)[0]), .groups = (list)
+#define COUNT_U1(start_, at) .start = (start_), .count = SBF_COUNT_U1, .count_offset = (at)
+#define COUNT_U2(start_, at) .start = (start_), .count = SBF_COUNT_U2, .count_offset = (at)
+#define COUNT_BIT(start_, at, bit)                                                                           \
+	.start = (start_), .count = SBF_COUNT_BIT, .count_offset = (at), .count_bit = (bit)
+#define COUNT_BITS(at, bits)       .count = SBF_COUNT_BITS, .count_offset = (at), .count_bit = (bits)
+#define COUNT_FIXED(start_, times) .start = (start_), .count = SBF_COUNT_FIXED, .count_bit = (times)
+#define SIZE(size_)                .size = (size_)
+#define SIZE_AT(at, size_)         .size_offset = (at), .size = (size_)
+#define FIELDS(list)               .n_fields = sizeof(list) / sizeof((list)[0]), .fields = (list)
+#define GROUPS(list)               .n_groups = sizeof(list) / sizeof((list)[0]), .groups = (list)
 
 #include "formats/sbf_schema_position.inc"
 #include "formats/sbf_schema_navigation.inc"
 #include "formats/sbf_schema_sbas.inc"
 #include "formats/sbf_schema_inertial.inc"
 
-#define RECEIVER(id, revision, name, kind, ...) {id, revision, SBF_TIME_RECEIVER, name, kind, __VA_ARGS__}
-#define SIS(id, revision, name, kind, ...)      {id, revision, SBF_TIME_SIS, name, kind, __VA_ARGS__}
-#define EXTERNAL(id, revision, name, kind, ...) {id, revision, SBF_TIME_EXTERNAL, name, kind, __VA_ARGS__}
+#define RECEIVER(id, revision, name, kind, ...)                                                              \
+	{                                                                                                    \
+		id, revision, SBF_TIME_RECEIVER, name, kind, __VA_ARGS__                                     \
+	}
+#define SIS(id, revision, name, kind, ...)                                                                   \
+	{                                                                                                    \
+		id, revision, SBF_TIME_SIS, name, kind, __VA_ARGS__                                          \
+	}
+#define EXTERNAL(id, revision, name, kind, ...)                                                              \
+	{                                                                                                    \
+		id, revision, SBF_TIME_EXTERNAL, name, kind, __VA_ARGS__                                     \
+	}
 #define MARKER(id_, name_)                                                                                   \
-	{.id = (id_), .time = SBF_TIME_RECEIVER, .name = (name_), .kind = NO_RECORD, .size = 14}
+	{                                                                                                    \
+		.id = (id_), .time = SBF_TIME_RECEIVER, .name = (name_), .kind = NO_RECORD, .size = 14       \
+	}
 #define NO_RECORD FW_RECORD_COUNT
 
 /* clang-format off */

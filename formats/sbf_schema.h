@@ -17,8 +17,8 @@ typedef enum { SBF_U1, SBF_U2, SBF_U4, SBF_I1, SBF_I2, SBF_I4, SBF_F4, SBF_F8, S
 
 /* When is a value "not available"? A float below -1.9e10 or not finite always is (do-not-use -2e10). */
 typedef enum {
-	SBF_ALWAYS,  /* always available */
-	SBF_DNU,     /* not available: the type's do-not-use value (u1 255, u2 65535, u4 4294967295, i1 -128, ...) */
+	SBF_ALWAYS, /* always available */
+	SBF_DNU, /* not available: the type's do-not-use value (u1 255, u2 65535, u4 4294967295, i1 -128, ...) */
 	SBF_DNU_ZERO /* not available: 0 */
 } fw_sbf_dnu;
 
@@ -29,25 +29,25 @@ typedef enum {
 	SBF_SATELLITE, /* SVID -> "G05"; an SVID that means no satellite is absent */
 	SBF_SIGNAL,    /* signal number -> RINEX code; one without code is absent */
 	SBF_TEXT,      /* `count` characters, NUL or end terminated -> string; empty is absent */
-	SBF_HEX,       /* `count` words u4 -> hexadecimal digits, bit 31 first; a view: its first `width` bits only */
-	SBF_INDEX,     /* a view of nothing on the wire: number of the sub-block, from 1 */
-	SBF_CONSTANT   /* likewise: always the text `name` */
+	SBF_HEX,     /* `count` words u4 -> hexadecimal digits, bit 31 first; a view: `width` bits of them */
+	SBF_INDEX,   /* a view of nothing on the wire: number of the sub-block, from 1 */
+	SBF_CONSTANT /* likewise: always the text `name` */
 } fw_sbf_convert;
 
 /* One line of a table: a field, or a view, which takes some bits of a field or more than one column from it and
  * follows the field's own line. Only fields (width == 0) are on the wire.
  * A value that does not fit its column's integer type is absent. */
 typedef struct {
-	const char *name;   /* as in the reference guide; reserved bytes are named "reserved" */
-	uint16_t offset;    /* from the start of the block or sub-block [bytes] */
-	uint16_t count;     /* array length, 1 for a scalar; only SBF_TEXT and SBF_HEX arrays become columns */
-	uint8_t type;       /* fw_sbf_type */
-	uint8_t shift;      /* first bit of a view on a bit field */
-	uint8_t width;      /* number of bits of a view; 0: the field itself */
-	uint8_t dnu;        /* fw_sbf_dnu; views of bits have none */
-	uint8_t convert;    /* fw_sbf_convert */
-	int16_t add;        /* column = raw * mul / div + add */
-	double mul, div;    /* 0 stands for 1 */
+	const char *name; /* as in the reference guide; reserved bytes are named "reserved" */
+	uint16_t offset;  /* from the start of the block or sub-block [bytes] */
+	uint16_t count;   /* array length, 1 for a scalar; only SBF_TEXT and SBF_HEX arrays become columns */
+	uint8_t type;     /* fw_sbf_type */
+	uint8_t shift;    /* first bit of a view on a bit field */
+	uint8_t width;    /* number of bits of a view; 0: the field itself */
+	uint8_t dnu;      /* fw_sbf_dnu; views of bits have none */
+	uint8_t convert;  /* fw_sbf_convert */
+	int16_t add;      /* column = raw * mul / div + add */
+	double mul, div;  /* 0 stands for 1 */
 	const char *column; /* of the record; NULL: not in the record */
 } fw_sbf_field;
 
@@ -67,7 +67,7 @@ typedef enum {
 typedef struct fw_sbf_group {
 	const char *name;
 	uint16_t start;
-	uint8_t count;         /* fw_sbf_count */
+	uint8_t count; /* fw_sbf_count */
 	uint8_t count_bit;
 	uint16_t count_offset; /* from the start of the block; in a nested group, of the parent sub-block */
 	uint16_t size_offset;  /* of the u1 sub-block length, from the start of the BLOCK; 0: always `size` */
@@ -80,12 +80,12 @@ typedef struct fw_sbf_group {
 typedef enum { SBF_TIME_RECEIVER, SBF_TIME_SIS, SBF_TIME_EXTERNAL } fw_sbf_time;
 
 typedef struct {
-	uint16_t id;        /* block number, 13 bits */
-	uint8_t revision;   /* newest revision known */
-	uint8_t time;       /* fw_sbf_time: what the stamp means */
-	const char *name;   /* as in the reference guide */
-	fw_kind kind;       /* the record it becomes; FW_RECORD_COUNT: none, or sbf_measurements.c makes it */
-	uint16_t size;      /* length of the fixed part up to the last field listed [bytes], header included */
+	uint16_t id;      /* block number, 13 bits */
+	uint8_t revision; /* newest revision known */
+	uint8_t time;     /* fw_sbf_time: what the stamp means */
+	const char *name; /* as in the reference guide */
+	fw_kind kind;     /* the record it becomes; FW_RECORD_COUNT: none, or sbf_measurements.c makes it */
+	uint16_t size;    /* length of the fixed part up to the last field listed [bytes], header included */
 	uint16_t n_fields;
 	const fw_sbf_field *fields; /* of the fixed part, from offset 14 on, in ascending order, gap-free */
 	uint16_t n_groups;

@@ -12,10 +12,10 @@
 #include "furrow_residual_columns.h"
 #include "furrow_satpos_columns.h"
 
-#define BIT(type, column) (INT64_C(1) << FW_COL_##type##_##column)
-#define HAS(r, type, column) (((r)->present & BIT(type, column)) != 0)
+#define BIT(type, column)           (INT64_C(1) << FW_COL_##type##_##column)
+#define HAS(r, type, column)        (((r)->present & BIT(type, column)) != 0)
 #define SET(r, type, column, value) ((r)->column = (value), (void)((r)->present |= BIT(type, column)))
-#define CLEAR(r, type, column) ((r)->column = 0, (void)((r)->present &= ~BIT(type, column)))
+#define CLEAR(r, type, column)      ((r)->column = 0, (void)((r)->present &= ~BIT(type, column)))
 
 #define SECONDS_PER_WEEK 604800.0
 #define DEG_TO_RAD       (M_PI / 180)
@@ -62,7 +62,8 @@ void fw_sbf_set_delays(furrow_satpos *satpos, const uint8_t *sub, size_t size)
 		SET(satpos, satpos, tropo_m, (tropo * 256 + sub[45]) / 2560.0);
 }
 
-void fw_sbf_set_quantity(furrow_residual *residual, uint8_t meas_info, unsigned k, const uint8_t *info, size_t size)
+void fw_sbf_set_quantity(furrow_residual *residual, uint8_t meas_info, unsigned k, const uint8_t *info,
+                         size_t size)
 {
 	static const struct {
 		const char *name;
@@ -145,9 +146,15 @@ bool fw_sbf_mounting(const furrow_imu_setup *setup, double C[9])
 	const double z = (double)setup->theta_z_deg * DEG_TO_RAD;
 	const double sx = sin(x), cx = cos(x), sy = sin(y), cy = cos(y), sz = sin(z), cz = cos(z);
 	const double product[9] = {
-		cz * cy, cz * sy * sx - sz * cx, cz * sy * cx + sz * sx, /* forward */
-		sz * cy, sz * sy * sx + cz * cx, sz * sy * cx - cz * sx, /* right */
-		-sy,     cy * sx,                cy * cx,                /* down */
+	    cz * cy,
+	    cz * sy * sx - sz * cx,
+	    cz * sy * cx + sz * sx, /* forward */
+	    sz * cy,
+	    sz * sy * sx + cz * cx,
+	    sz * sy * cx - cz * sx, /* right */
+	    -sy,
+	    cy * sx,
+	    cy * cx, /* down */
 	};
 	memcpy(C, product, sizeof product);
 	return true;
@@ -162,19 +169,21 @@ static void rotate(const double *C, const double x[3], double y[3])
 
 void fw_sbf_add_imu(furrow_imu *imu, const furrow_ext_sensor *sensor, const double *C)
 {
-	const int64_t accel = BIT(ext_sensor, accel_x_mps2) | BIT(ext_sensor, accel_y_mps2) |
-			      BIT(ext_sensor, accel_z_mps2);
-	const int64_t gyro = BIT(ext_sensor, gyro_x_radps) | BIT(ext_sensor, gyro_y_radps) |
-			     BIT(ext_sensor, gyro_z_radps);
+	const int64_t accel =
+	    BIT(ext_sensor, accel_x_mps2) | BIT(ext_sensor, accel_y_mps2) | BIT(ext_sensor, accel_z_mps2);
+	const int64_t gyro =
+	    BIT(ext_sensor, gyro_x_radps) | BIT(ext_sensor, gyro_y_radps) | BIT(ext_sensor, gyro_z_radps);
 	double v[3];
 	if ((sensor->present & accel) == accel && !HAS(imu, imu, accel_x_mps2)) {
-		rotate(C, (const double[]){sensor->accel_x_mps2, sensor->accel_y_mps2, sensor->accel_z_mps2}, v);
+		rotate(C, (const double[]){sensor->accel_x_mps2, sensor->accel_y_mps2, sensor->accel_z_mps2},
+		       v);
 		SET(imu, imu, accel_x_mps2, v[0]);
 		SET(imu, imu, accel_y_mps2, v[1]);
 		SET(imu, imu, accel_z_mps2, v[2]);
 	}
 	if ((sensor->present & gyro) == gyro && !HAS(imu, imu, gyro_x_radps)) {
-		rotate(C, (const double[]){sensor->gyro_x_radps, sensor->gyro_y_radps, sensor->gyro_z_radps}, v);
+		rotate(C, (const double[]){sensor->gyro_x_radps, sensor->gyro_y_radps, sensor->gyro_z_radps},
+		       v);
 		SET(imu, imu, gyro_x_radps, v[0]);
 		SET(imu, imu, gyro_y_radps, v[1]);
 		SET(imu, imu, gyro_z_radps, v[2]);

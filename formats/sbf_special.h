@@ -22,7 +22,8 @@ void fw_sbf_set_delays(furrow_satpos *satpos, const uint8_t *sub, size_t size);
 
 /* PVTResiduals: which quantity the k-th (0, 1, 2) residual of a signal is about, as the bits of MeasInfo say, and its
  * detectable bias, whose unit depends on that. `info` is the residual's sub-block of `size` bytes. */
-void fw_sbf_set_quantity(furrow_residual *residual, uint8_t meas_info, unsigned k, const uint8_t *info, size_t size);
+void fw_sbf_set_quantity(furrow_residual *residual, uint8_t meas_info, unsigned k, const uint8_t *info,
+                         size_t size);
 
 /* ExtSensorMeas: what the 24 bytes of a measurement hold, in the sensor's axes, into a record whose `type` is set. */
 void fw_sbf_set_sensor(furrow_ext_sensor *sensor, const uint8_t *data);

@@ -52,8 +52,8 @@ static inline size_t sbf_each_real_block(sbf_block_fn *call, void *context)
 			const char *dot = strrchr(entry->d_name, '.');
 			if (!dot || (strcmp(dot, ".sbf") != 0 && strcmp(dot, ".log") != 0))
 				continue;
-			snprintf(path, sizeof path, "%s/%s/%s", data ? data : "../shared/data", directories[i],
-				 entry->d_name);
+			snprintf(path, sizeof path, "%s/%s/%s", data ? data : "../shared/data",
+			         directories[i], entry->d_name);
 			blocks += sbf_each_block(path, call, context);
 		}
 		if (directory)

@@ -4,7 +4,7 @@
 
 #include <math.h>
 #include <stdbool.h>
-#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "formats/record.h"
@@ -77,7 +77,8 @@ static inline double column_number(const fw_record_type *type, const void *recor
 		float f32;
 		double f64;
 	} u;
-	static const size_t sizes[] = {[FW_I8] = 1, [FW_I16] = 2, [FW_I32] = 4, [FW_I64] = 8, [FW_F32] = 4, [FW_F64] = 8};
+	static const size_t sizes[] = {
+	    [FW_I8] = 1, [FW_I16] = 2, [FW_I32] = 4, [FW_I64] = 8, [FW_F32] = 4, [FW_F64] = 8};
 	memcpy(&u, p, sizes[type->columns[column].type]);
 	switch (type->columns[column].type) {
 	case FW_I8: return u.i8;
@@ -102,18 +103,21 @@ static inline double list_number(const record_list *list, size_t i, const char *
 {
 	const fw_record_type *type = fw_record_type_of(list->at[i].kind);
 	int column = column_index(type, name);
-	return column_present(&list->at[i].record, column) ? column_number(type, &list->at[i].record, column) : (double)NAN;
+	return column_present(&list->at[i].record, column) ? column_number(type, &list->at[i].record, column)
+	                                                   : (double)NAN;
 }
 
 static inline const char *list_text(const record_list *list, size_t i, const char *name)
 {
 	const fw_record_type *type = fw_record_type_of(list->at[i].kind);
 	int column = column_index(type, name);
-	return column_present(&list->at[i].record, column) ? column_text(type, &list->at[i].record, column) : "absent";
+	return column_present(&list->at[i].record, column) ? column_text(type, &list->at[i].record, column)
+	                                                   : "absent";
 }
 
 /* Fails unless the column equals `expected` to `relative`; NaN expects an absent one. */
-static inline void expect_number(const record_list *list, size_t i, const char *name, double expected, double relative)
+static inline void expect_number(const record_list *list, size_t i, const char *name, double expected,
+                                 double relative)
 {
 	assert_true(i < list->n);
 	double got = list_number(list, i, name);
@@ -125,9 +129,8 @@ static inline size_t bytes_from_hex(const char *hex, uint8_t *out)
 {
 	size_t n = strlen(hex) / 2;
 	for (size_t i = 0; i < n; i++) {
-		unsigned byte;
-		assert_int_equal(sscanf(hex + 2 * i, "%2x", &byte), 1);
-		out[i] = (uint8_t)byte;
+		const char pair[3] = {hex[2 * i], hex[2 * i + 1], '\0'};
+		out[i] = (uint8_t)strtoul(pair, NULL, 16);
 	}
 	return n;
 }

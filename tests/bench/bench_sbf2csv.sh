@@ -4,7 +4,7 @@ set -eu
 log=${FURROW_DATA:-none}/sbf/log_0000.sbf
 [ -r "$log" ] || log=$SRC/testdata/demo.sbf
 
-trap 'rm -f long.sbf slice.sbf' EXIT
+trap 'rm -f long.sbf slice.sbf convbin.obs' EXIT
 trap 'exit 1' HUP INT TERM
 "$BENCH/extend_log" "$log" "${MEGABYTES:-500}" > long.sbf
 "$BENCH/extend_log" "$log" 2 > slice.sbf

@@ -19,7 +19,8 @@ static uint8_t log_bytes[MAX_LOG];
 
 static int has_stamp(const uint8_t *block)
 {
-	return fw_load_u16(block + 6) >= 14 && fw_load_u32(block + 8) < WEEK_MS && fw_load_u16(block + 12) != UINT16_MAX;
+	return fw_load_u16(block + 6) >= 14 && fw_load_u32(block + 8) < WEEK_MS &&
+	       fw_load_u16(block + 12) != UINT16_MAX;
 }
 
 /* Reads the valid blocks of the log. Returns their bytes together, and the stamps' span to the next whole second. */

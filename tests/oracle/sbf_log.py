@@ -1,4 +1,5 @@
 """SBF blocks for the oracle tests: taken from a log, put together again. Knows the framing, nothing of the contents."""
+
 import binascii
 import struct
 
@@ -13,7 +14,12 @@ def blocks(data):
         if at + 8 <= len(data):
             crc, _, length = struct.unpack_from("<HHH", data, at + 2)
             block = data[at : at + length]
-            if length >= 8 and length % 4 == 0 and length == len(block) and binascii.crc_hqx(block[4:], 0) == crc:
+            if (
+                length >= 8
+                and length % 4 == 0
+                and length == len(block)
+                and binascii.crc_hqx(block[4:], 0) == crc
+            ):
                 yield block
                 step = length
         at = data.find(b"$@", at + step)

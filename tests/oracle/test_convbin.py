@@ -17,6 +17,7 @@ that it knows. After that nothing may differ but what these rules, which are cou
 C/N0 is read as S / 0.004: this convbin keeps quarters of dB-Hz and writes them as thousandths. A Doppler counts as equal
 if some number that rounds to ours also becomes theirs by way of the float in which convbin keeps it.
 """
+
 import collections
 import csv
 import datetime
@@ -109,7 +110,9 @@ def renamed(epochs):
         number[svid] = base[system] + next(free[system])
     made = []
     for block in epochs:
-        kept = [as_known(first, others, number[first[2]]) for first, others in groups(block) if first[2] in number]
+        kept = [
+            as_known(first, others, number[first[2]]) for first, others in groups(block) if first[2] in number
+        ]
         made.append(with_groups(block, [group for group in kept if group]))
     return made, {name(number[svid]): name(svid) for svid in unknown}
 
@@ -216,7 +219,9 @@ def verdict(key, mine, theirs, channels):
     if theirs is None:
         return "absent in both"
     if letter == "S":
-        return "mark" if theirs in ("0.039", "0.255") else None  # 255 quarters with and without 10 dB-Hz, modulo 256
+        return (
+            "mark" if theirs in ("0.039", "0.255") else None
+        )  # 255 quarters with and without 10 dB-Hz, modulo 256
     if letter == "D":
         return "mark" if float(theirs) < -150000 else None
     code = mine.get((ms, sat, "C" + signal), "")
@@ -240,7 +245,10 @@ def compare(label, path, counts):
             assert rule, (label, antenna, key, "sbf2csv", mine.get(key), "convbin", theirs.get(key))
             here[rule] += 1
     if here:
-        print(f"{label}: {sum(here.values())} observables,", ", ".join(f"{n} {rule}" for rule, n in here.items()))
+        print(
+            f"{label}: {sum(here.values())} observables,",
+            ", ".join(f"{n} {rule}" for rule, n in here.items()),
+        )
     counts += here
 
 
@@ -256,7 +264,9 @@ def random_epoch(rng, tow_ms):
         "I": ([*range(191, 198), *range(216, 223)], [15]),
     }
     body = b""
-    satellites = [(s, svid) for s, (svids, _) in systems.items() for svid in rng.sample(list(svids), min(6, len(svids)))]
+    satellites = [
+        (s, svid) for s, (svids, _) in systems.items() for svid in rng.sample(list(svids), min(6, len(svids)))
+    ]
     for system, svid in satellites:
         signals = rng.sample(systems[system][1], rng.randint(1, len(systems[system][1])))
         if signals[0] == 12:  # the others would have no frequency number
@@ -297,7 +307,11 @@ def main():
     if not logs:
         print(f"no logs in {DATA}: only random measurements")
     else:
-        with_signals = [log for log in (DATA / "log_0000.sbf", DATA / "pysbf2/pygpsdata_x5_measurements.log") if log in logs]
+        with_signals = [
+            log
+            for log in (DATA / "log_0000.sbf", DATA / "pysbf2/pygpsdata_x5_measurements.log")
+            if log in logs
+        ]
         pathlib.Path("joined.sbf").write_bytes(b"".join(log.read_bytes() for log in with_signals))
         compare("joined", "joined.sbf", counts)
     rng = random.Random(20261122)
@@ -305,7 +319,9 @@ def main():
     compare("random", "random.sbf", counts)
     absent = counts.pop("absent in both")
     total = sum(counts.values())
-    print(f"all: {total} observables, {counts['equal']} equal, {total - counts['equal']} explained; {absent} absent in both")
+    print(
+        f"all: {total} observables, {counts['equal']} equal, {total - counts['equal']} explained; {absent} absent in both"
+    )
     assert counts["equal"] > 3000
     return 0
 

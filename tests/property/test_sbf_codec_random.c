@@ -30,7 +30,8 @@ static void fill(fw_random *random, size_t from, size_t to)
 static void limit_count(fw_random *random, const fw_sbf_group *group, uint8_t *parent, size_t size)
 {
 	size_t width = group->count == SBF_COUNT_U1 ? 1 : 2;
-	if ((group->count != SBF_COUNT_U1 && group->count != SBF_COUNT_U2) || group->count_offset + width > size)
+	if ((group->count != SBF_COUNT_U1 && group->count != SBF_COUNT_U2) ||
+	    group->count_offset + width > size)
 		return;
 	parent[group->count_offset] = (uint8_t)fw_random_below(random, MOST + 1);
 	if (width == 2)
@@ -49,7 +50,8 @@ static void choose_size(fw_random *random, const fw_sbf_group *group)
 }
 
 /* Writes the sub-blocks of a group; returns where they end. */
-static size_t make_group(fw_random *random, const fw_sbf_group *group, uint8_t *parent, size_t size, size_t at)
+static size_t make_group(fw_random *random, const fw_sbf_group *group, uint8_t *parent, size_t size,
+                         size_t at)
 {
 	size_t count = fw_sbf_group_count(group, parent, size);
 	size_t length = fw_sbf_group_size(group, block, FW_SBF_MAX_LENGTH);
@@ -96,7 +98,7 @@ static void round_trips(void **state)
 			uint16_t length = (uint16_t)((end + 3) / 4 * 4);
 			memset(block + end, 0, length - end);
 			fw_sbf_seal(block, schema->id, (uint8_t)fw_random_below(&random, 8), length,
-				    (uint32_t)fw_random_u64(&random), (uint16_t)fw_random_u64(&random));
+			            (uint32_t)fw_random_u64(&random), (uint16_t)fw_random_u64(&random));
 
 			assert_int_equal(fw_sbf_decode(block, &first), FW_OK);
 			memset(bytes, 0xA5, length);

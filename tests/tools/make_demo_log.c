@@ -11,6 +11,7 @@
 #include "base/matrix.h"
 #include "base/random.h"
 #include "base/time.h"
+#include "demo_lnav.h"
 #include "demo_scene.h"
 #include "formats/bytes.h"
 #include "formats/sbas_message.h"
@@ -204,19 +205,15 @@ static furrow_obs observe(const scene_satellite *s, unsigned channel, const scen
 	double wave_m = SCENE_LIGHT_MPS / frequency_hz, iono = iono_m(view, frequency_hz);
 	double without_iono = view->range_m + clock_m + 2.4 / sin(view->elevation_rad);
 	double ambiguity = 100 * (double)channel - 700 + 13 * which;
-	furrow_obs o = {
-	    .sat = (char *)(uintptr_t)s->name,
-	    .signal = (char *)(uintptr_t)signal->rinex,
-	    .glonass_channel = (int8_t)s->channel,
-	    .pseudorange_m = without_iono + iono + normal(0.25),
-	    .carrier_cyc = (without_iono - iono) / wave_m + ambiguity + normal(0.004),
-	    .doppler_hz =
-	        -(view->range_rate_mps + SCENE_LIGHT_MPS * SCENE_CLOCK_DRIFT) / wave_m + normal(0.03),
-	    .cn0_dbhz = rounded(33 + 17 * sin(view->elevation_rad) - 3 * which + normal(0.4), 0.25),
-	    .lock_s = 40 * (int)channel + second,
-	    .rx_channel = (int16_t)channel,
-	    .present = (INT64_C(1) << FW_COL_obs_COUNT) - 1,
-	};
+	furrow_obs o = {.sat = (char *)(uintptr_t)s->name, .signal = (char *)(uintptr_t)signal->rinex};
+	o.glonass_channel = (int8_t)s->channel;
+	o.pseudorange_m = without_iono + iono + normal(0.25);
+	o.carrier_cyc = (without_iono - iono) / wave_m + ambiguity + normal(0.004);
+	o.doppler_hz = -(view->range_rate_mps + SCENE_LIGHT_MPS * SCENE_CLOCK_DRIFT) / wave_m + normal(0.03);
+	o.cn0_dbhz = rounded(33 + 17 * sin(view->elevation_rad) - 3 * which + normal(0.4), 0.25);
+	o.lock_s = 40 * (int)channel + second;
+	o.rx_channel = (int16_t)channel;
+	o.present = (INT64_C(1) << FW_COL_obs_COUNT) - 1;
 	return o;
 }
 
@@ -418,14 +415,15 @@ static void inertial_solution(int second, const scene_drone *d, const solution *
 	add(POSITION_SD);
 	set_all("LatitudeStdDev LongitudeStdDev HeightStdDev", (double[]){0.42, 0.37, 0.66});
 	add(ATTITUDE);
-	set_all("Heading Pitch Roll", (double[]){fw_deg_from_rad(fw_wrap_2pi(d->rpy[2] + normal(0.002))),
-	                                         fw_deg_from_rad(d->rpy[1] + normal(0.0005)),
-	                                         fw_deg_from_rad(d->rpy[0] + normal(0.0005))});
+	set("Heading", fw_deg_from_rad(fw_wrap_2pi(d->rpy[2] + normal(0.002))));
+	set("Pitch", fw_deg_from_rad(d->rpy[1] + normal(0.0005)));
+	set("Roll", fw_deg_from_rad(d->rpy[0] + normal(0.0005)));
 	add(ATTITUDE_SD);
 	set_all("HeadingStdDev PitchStdDev RollStdDev", (double[]){0.15, 0.031, 0.03});
 	add(VELOCITY);
-	set_all("Ve Vn Vu", (double[]){d->vel_n[1] + normal(0.01), d->vel_n[0] + normal(0.01),
-	                               -d->vel_n[2] + normal(0.02)});
+	set("Ve", d->vel_n[1] + normal(0.01));
+	set("Vn", d->vel_n[0] + normal(0.01));
+	set("Vu", -d->vel_n[2] + normal(0.02));
 	add(VELOCITY_SD);
 	set_all("VeStdDev VnStdDev VuStdDev", (double[]){0.011, 0.012, 0.018});
 	end();
@@ -557,7 +555,7 @@ static void gps_orbit(const scene_satellite *s, int64_t ms)
 {
 	begin("GPSNav", ms);
 	set_all("PRN WN CAorPonL2 IODC IODE2 IODE3 T_gd",
-	        (double[]){s->svid, SCENE_WEEK % 1024, 1, 85, 85, 85, 0});
+	        (double[]){s->svid, SCENE_WEEK % 1024, 1, LNAV_IODE, LNAV_IODE, LNAV_IODE, 0});
 	set_all("WNt_oc WNt_oe", (double[]){SCENE_WEEK % 1024, SCENE_WEEK % 1024});
 	circular_orbit(s);
 	end();
@@ -636,6 +634,23 @@ static void gps_almanac_page(int second)
 	set_all("A_1 A_0 t_ot WN_t DEL_t_LS WN_LSF DN DEL_t_LSF",
 	        (double[]){0, -3 * 0x1p-30, 405504, SCENE_WEEK % 256, LEAP_S, 137, 7, LEAP_S});
 	end();
+}
+
+/* Subframes 1 to 3 as the satellites send them, six seconds each, 30 a frame. */
+static void raw_pages(int second)
+{
+	unsigned end_s = (unsigned)(SCENE_START_S + second), id = (end_s / 6 + 4) % 5 + 1;
+	if (end_s % 6 != 0 || id > 3)
+		return;
+	for (unsigned i = 0; i < SCENE_SATELLITES && sky[i].name[0] == 'G'; i++) {
+		uint32_t words[LNAV_WORDS];
+		lnav_subframe(&sky[i], id, end_s, words);
+		begin("GPSRawCA", second * 1000);
+		set_all("SVID CRCPassed RxChannel", (double[]){sky[i].svid, 1, i + 1});
+		for (unsigned k = 0; k < LNAV_WORDS; k++)
+			set_at("NAVBits", k, words[k]);
+		end();
+	}
 }
 
 /* ---- SBAS ---- */
@@ -771,7 +786,7 @@ static void put_iono(uint8_t *message, int second)
 static void put_long(uint8_t *message, int second)
 {
 	for (int half = 0; half < 2; half++) {
-		furrow_sbas_long r = {.velocity_code = 1, .iodp = 1, .iode = 85};
+		furrow_sbas_long r = {.velocity_code = 1, .iodp = 1, .iode = LNAV_IODE};
 		r.mask_no = (int16_t)(1 + (second / 4 + half) % GPS_IN_MASK);
 		r.dx_m = 0.375F;
 		r.dy_m = -0.75F;
@@ -884,6 +899,7 @@ int main(void)
 	for (int64_t ms = 0; ms < SCENE_SECONDS * 1000; ms += 100) {
 		int second = (int)(ms / 1000);
 		if (ms % 1000 == 0) {
+			raw_pages(second);
 			orbits(second);
 			if (second == 9)
 				gps_almanac_page(second);

@@ -183,15 +183,15 @@ static inline nav_block fnav_block(uint8_t svid, double tow_s, const icd_page *p
 	return block_of_bits(4022, svid, tow_s, &whole, 8);
 }
 
-/* BeiDou: a subframe with the BCH(15,11) parity of its words filled in; the columns of the generator's parity
- * part, as J. Mo's SignalSim (D1D2NavBit.cpp) has them. */
+/* BeiDou: a subframe with the BCH(15,11) parity of its words filled in: the remainder of the information,
+ * shifted by four, divided by x^4 + x + 1 (ICD 5.1.3, figure 5-2). */
 static inline uint32_t bch_parity(uint32_t information)
 {
-	static const uint32_t rows[4] = {0x7ac, 0x3d6, 0x1eb, 0x759};
-	uint32_t parity = 0;
-	for (int i = 0; i < 4; i++)
-		parity = parity << 1 | (uint32_t)(__builtin_popcount(information & rows[i]) & 1);
-	return parity;
+	uint32_t word = information << 4;
+	for (int i = 14; i >= 4; i--)
+		if (word >> i & 1)
+			word ^= 0x13U << (i - 4);
+	return word;
 }
 
 static inline nav_block bds_block(uint8_t svid, double tow_s, const icd_page *page, uint32_t subframe)

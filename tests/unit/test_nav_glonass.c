@@ -201,6 +201,30 @@ static void test_time(void **state)
 	}
 }
 
+/* String 14 has time parameters in one frame of five and almanac in the others; so have strings 6 to 12
+ * always. */
+static void test_frames(void **state)
+{
+	(void)state;
+	for (int frame = 0; frame < 15; frame++) {
+		for (uint32_t string = 1; string <= 15; string++) {
+			icd_page pages[5] = {0}, empty = {{0}}, other = {{0}};
+			kept_records kept = {0};
+			const bool last = frame % 5 == 0, even = string % 2 == 0;
+
+			write_bits(&other, B(80), 1, 1); /* as almanac: C = 1 of slot 4 */
+			write_bits(&other, B(77), 5, 4);
+			fw_nav_init(&nav);
+			give_frame(R01 + 3, TOW + 30 * frame, pages, &kept);
+			assert_int_equal(give_string(R01, TOW + 30 * frame, &empty, 5, &kept), FW_OK);
+			assert_int_equal(give_string(R01, TOW + 30 * frame, &other, string, &kept), FW_OK);
+			const bool time = string == 14 && last, almanac = string >= 6 && even && !time;
+			assert_int_equal(count_of(&kept, FW_glo_time), time ? 1 : 0);
+			assert_int_equal(count_of(&kept, FW_eph_glo), almanac ? 2 : 1);
+		}
+	}
+}
+
 /* Flag C of slot 3 comes from slot 1's almanac, and is news. */
 static void test_almanac_health(void **state)
 {
@@ -228,6 +252,16 @@ static void test_almanac_health(void **state)
 		assert_int_equal(give_string(R01, TOW, &almanac, 6, &kept), FW_OK);
 	}
 	assert_int_equal(kept.n, 2);
+
+	/* two hours later slot 3 is out of sight: its flag says nothing about an ephemeris that is still good
+	 */
+	write_bits(&almanac, B(80), 1, 0);
+	write_bits(&almanac, B(77), 5, 3);
+	assert_int_equal(give_string(R01, TOW + 7200, &almanac, 10, &kept), FW_OK);
+	assert_int_equal(kept.n, 2);
+	give_frame(R01 + 2, TOW + 7230, pages, &kept); /* and is used as soon as the satellite is back */
+	assert_int_equal(kept.n, 3);
+	assert_true(column_is(&kept.list[2], "health_c", 0));
 }
 
 /* The Hamming code sees each single bit and each pair of bits. */
@@ -366,13 +400,10 @@ static void test_against_receiver(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(test_ephemeris),
-	    cmocka_unit_test(test_toe_across_the_week),
-	    cmocka_unit_test(test_when),
-	    cmocka_unit_test(test_time),
-	    cmocka_unit_test(test_almanac_health),
-	    cmocka_unit_test(test_hamming),
-	    cmocka_unit_test(test_against_receiver),
+	    cmocka_unit_test(test_ephemeris), cmocka_unit_test(test_toe_across_the_week),
+	    cmocka_unit_test(test_when),      cmocka_unit_test(test_time),
+	    cmocka_unit_test(test_frames),    cmocka_unit_test(test_almanac_health),
+	    cmocka_unit_test(test_hamming),   cmocka_unit_test(test_against_receiver),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

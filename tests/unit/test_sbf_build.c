@@ -46,7 +46,7 @@ static void compare_column(const char *name, const fw_record_type *type, const v
 	if (column->type == FW_STR) {
 		if (column_present(a, i) && strcmp(column_text(type, a, i), column_text(type, b, i)) != 0)
 			fail_msg("%s.%s: '%s', then '%s'", name, column->name, column_text(type, a, i),
-				 column_text(type, b, i));
+			         column_text(type, b, i));
 		return;
 	}
 	double x = column_number(type, a, i), y = column_number(type, b, i);
@@ -156,14 +156,16 @@ static void a_block_comes_back_byte_by_byte(void **state)
 {
 	(void)state;
 	const char *const hex[] = {
-		"244057f9a10f2000e052c91c3f0925004f0028002c004200f5e77840fc96b540", /* DOP */
-		"2440bd131a171800702fcb1c3f091905170e0b0012070000",                 /* ReceiverTime */
-		"2440adb125171000d0d2c21c3f097900",                                 /* GEOMT00, its padding cleared */
-		"244049c332172c008831ca1c3f09ff8000000000f90295d0f90295d0f90295d0f90295d0f90295d0f90295d0",
-		"24400b7eb40f34009811c11c3f0988010018001ec4ff12c6ff0300000000e8ff0000000000000000adbb03000000807b8029"
-		"c50d", /* GEORawL1 */
-		"244091e8b10f3c00501dc11c3f0901010000002f103fc122c46b422741d4f93fe1644709c549050032138605d0818b06d1bf"
-		"8030bac8e93f3ccdfc00", /* GPSRawCA */
+	    "244057f9a10f2000e052c91c3f0925004f0028002c004200f5e77840fc96b540", /* DOP */
+	    "2440bd131a171800702fcb1c3f091905170e0b0012070000",                 /* ReceiverTime */
+	    "2440adb125171000d0d2c21c3f097900", /* GEOMT00, its padding cleared */
+	    "244049c332172c008831ca1c3f09ff8000000000f90295d0f90295d0f90295d0f90295d0f90295d0f90295d0",
+	    "24400b7eb40f34009811c11c3f0988010018001ec4ff12c6ff0300000000e8ff0000000000000000adbb03000000807b"
+	    "8029"
+	    "c50d", /* GEORawL1 */
+	    "244091e8b10f3c00501dc11c3f0901010000002f103fc122c46b422741d4f93fe1644709c549050032138605d0818b06"
+	    "d1bf"
+	    "8030bac8e93f3ccdfc00", /* GPSRawCA */
 	};
 	for (size_t i = 0; i < sizeof hex / sizeof hex[0]; i++) {
 		size_t length = bytes_from_hex(hex[i], block);
@@ -187,20 +189,24 @@ static void numbers_are_rounded_and_kept_in_range(void **state)
 		double value;
 		uint16_t raw;
 	} cases[] = {
-		{"pdop", 1.234999, 123}, {"pdop", 1.235001, 124}, {"pdop", 1e9, 65535}, {"pdop", -3, 1},
-		{"pdop", 0, 1} /* 0 would mean "not available" */,
+	    {"pdop", 1.234999, 123},
+	    {"pdop", 1.235001, 124},
+	    {"pdop", 1e9, 65535},
+	    {"pdop", -3, 1},
+	    {"pdop", 0, 1} /* 0 would mean "not available" */,
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
 		int column = column_index(type, cases[i].column);
 		fw_record_head head = {(int64_t)1 << column | 3, 2367, 604799.9996};
 		memcpy(&first.at[0].record, &head, sizeof head);
-		memcpy(first.at[0].record.bytes + type->columns[column].offset, &cases[i].value, sizeof(double));
+		memcpy(first.at[0].record.bytes + type->columns[column].offset, &cases[i].value,
+		       sizeof(double));
 		assert_int_equal(build(4001, &first, &length), FW_OK);
 		assert_int_equal(length, 32);
 		assert_int_equal(fw_load_u16(built + 16), cases[i].raw);
-		assert_int_equal(built[14], 255);                       /* NrSV: do-not-use */
-		assert_int_equal(fw_load_u16(built + 18), 0);           /* TDOP: 0 is do-not-use */
-		assert_int_equal(fw_load_u32(built + 24), 0xD09502F9);  /* HPL: -2e10 */
+		assert_int_equal(built[14], 255);                      /* NrSV: do-not-use */
+		assert_int_equal(fw_load_u16(built + 18), 0);          /* TDOP: 0 is do-not-use */
+		assert_int_equal(fw_load_u32(built + 24), 0xD09502F9); /* HPL: -2e10 */
 	}
 }
 
@@ -257,12 +263,12 @@ static void events_keep_their_stamp(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(real_blocks_can_be_built_again),
-		cmocka_unit_test(random_records_come_back),
-		cmocka_unit_test(a_block_comes_back_byte_by_byte),
-		cmocka_unit_test(numbers_are_rounded_and_kept_in_range),
-		cmocka_unit_test(refusals),
-		cmocka_unit_test(events_keep_their_stamp),
+	    cmocka_unit_test(real_blocks_can_be_built_again),
+	    cmocka_unit_test(random_records_come_back),
+	    cmocka_unit_test(a_block_comes_back_byte_by_byte),
+	    cmocka_unit_test(numbers_are_rounded_and_kept_in_range),
+	    cmocka_unit_test(refusals),
+	    cmocka_unit_test(events_keep_their_stamp),
 	};
 	return cmocka_run_group_tests(tests, set_up, NULL);
 }

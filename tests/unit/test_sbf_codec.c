@@ -20,9 +20,8 @@ static size_t from_hex(const char *hex, uint8_t *out)
 {
 	size_t n = strlen(hex) / 2;
 	for (size_t i = 0; i < n; i++) {
-		unsigned byte;
-		assert_int_equal(sscanf(hex + 2 * i, "%2x", &byte), 1);
-		out[i] = (uint8_t)byte;
+		const char pair[3] = {hex[2 * i], hex[2 * i + 1], '\0'};
+		out[i] = (uint8_t)strtoul(pair, NULL, 16);
 	}
 	return n;
 }
@@ -134,7 +133,8 @@ static void contradictions_are_refused(void **state)
 static void encode_refuses_what_does_not_fit(void **state)
 {
 	(void)state;
-	values = (fw_sbf_values){.schema = fw_sbf_schema_find(5925), .length = 16, .n = 2, .values = {121, 4}};
+	values =
+	    (fw_sbf_values){.schema = fw_sbf_schema_find(5925), .length = 16, .n = 2, .values = {121, 4}};
 	assert_int_equal(fw_sbf_encode(&values, bytes), FW_OK);
 	values.n = 1;
 	assert_int_equal(fw_sbf_encode(&values, bytes), FW_EINVAL);
@@ -164,7 +164,8 @@ static void noise_does_no_harm(void **state)
 	unsigned accepted = 0;
 	for (int i = 0; i < fw_sbf_n_schemas; i++) {
 		for (int k = 0; k < 300; k++) {
-			uint16_t length = (uint16_t)(16 + 4 * fw_random_below(&random, k % 10 == 0 ? 2000 : 50));
+			uint16_t length =
+			    (uint16_t)(16 + 4 * fw_random_below(&random, k % 10 == 0 ? 2000 : 50));
 			uint8_t *block = malloc(length);
 			for (unsigned at = 0; at < length; at++)
 				block[at] = (uint8_t)fw_random_u64(&random);
@@ -183,13 +184,13 @@ static void noise_does_no_harm(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(fields_come_in_the_order_of_the_wire),
-		cmocka_unit_test(floats_are_bit_patterns),
-		cmocka_unit_test(real_blocks_come_back_identical),
-		cmocka_unit_test(missing_fields_and_tails_survive),
-		cmocka_unit_test(contradictions_are_refused),
-		cmocka_unit_test(encode_refuses_what_does_not_fit),
-		cmocka_unit_test(noise_does_no_harm),
+	    cmocka_unit_test(fields_come_in_the_order_of_the_wire),
+	    cmocka_unit_test(floats_are_bit_patterns),
+	    cmocka_unit_test(real_blocks_come_back_identical),
+	    cmocka_unit_test(missing_fields_and_tails_survive),
+	    cmocka_unit_test(contradictions_are_refused),
+	    cmocka_unit_test(encode_refuses_what_does_not_fit),
+	    cmocka_unit_test(noise_does_no_harm),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

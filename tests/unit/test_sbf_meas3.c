@@ -78,9 +78,8 @@ static fw_status put_hex(const char *hex)
 	size_t n = strlen(hex) / 2;
 	assert_true(n <= sizeof block);
 	for (size_t i = 0; i < n; i++) {
-		unsigned byte;
-		assert_int_equal(sscanf(hex + 2 * i, "%2x", &byte), 1);
-		block[i] = (uint8_t)byte;
+		const char digits[] = {hex[2 * i], hex[2 * i + 1], '\0'};
+		block[i] = (uint8_t)strtoul(digits, NULL, 16);
 	}
 	return fw_sbf_meas3_put(&meas3, block, (uint16_t)n);
 }
@@ -253,8 +252,8 @@ typedef struct {
 } measured;
 
 typedef struct {
-	unsigned signals; /* bits; 0: not in view */
-	int channel, far;
+	unsigned signals;         /* bits; 0: not in view */
+	int channel, is_geo, far; /* far: BeiDou, and among the 16 satellites that can be called so */
 	double rate_mps;
 	measured now[SIGNALS], sent[SIGNALS],
 	    old[SIGNALS]; /* the truth; as coded; as coded at the reference epoch */
@@ -583,6 +582,11 @@ static void encode_satellite(unsigned system, unsigned number, satellite *t)
 			slave_long(system, t, i, master);
 		extend(system, number, t, i, 0, 0);
 	}
+	/* The one thing that changes in a reference: deltas go by the longest lock time that was told since. */
+	for (unsigned i = 0; i < SIGNALS; i++)
+		if (t->signals & t->old_signals & 1u << i && t->old[i].lock != 0 &&
+		    lock_ms[t->now[i].lock] > lock_ms[t->old[i].lock])
+			t->old[i].lock = t->now[i].lock;
 	if (enc.elapsed_ms == 0) {
 		memcpy(t->old, t->sent, sizeof t->old);
 		t->old_signals = t->signals;
@@ -632,10 +636,15 @@ static void encode_epoch(uint32_t tow_ms, unsigned antenna)
 	uint64_t masks[SYSTEMS] = {0};
 	unsigned systems = 0;
 	for (unsigned s = 0; s < SYSTEMS; s++) {
+		unsigned n = 0;
 		for (unsigned i = 0; i < SATELLITES; i++) {
-			masks[s] |= (uint64_t)(enc.sky[s][i].signals != 0) << i;
+			satellite *t = &enc.sky[s][i];
 			if (enc.elapsed_ms == 0)
-				enc.sky[s][i].old_signals = 0;
+				t->old_signals = 0, t->old_rate = 0;
+			if (t->signals == 0)
+				continue;
+			masks[s] |= (uint64_t)1 << i;
+			t->far = n++ < 16 && t->is_geo;
 		}
 		systems |= masks[s] != 0 ? 1u << s : 0;
 	}
@@ -670,6 +679,10 @@ static void encode_epoch(uint32_t tow_ms, unsigned antenna)
 			w->n_bits = 0;
 			put_bits(w, 0, 8);
 		}
+		if (kind == 3 && w->n / 4 < 255) { /* Meas3PP: a second part, and where it begins */
+			w->bytes[15] = (uint8_t)((w->n - 16) / 4);
+			put_bits(w, 0xffffffff, 32);
+		}
 		fw_store_u16(w->bytes + 6, (uint16_t)w->n);
 	}
 }
@@ -679,20 +692,20 @@ static void encode_epoch(uint32_t tow_ms, unsigned antenna)
 static void new_carrier(unsigned system, satellite *t, unsigned i)
 {
 	/* Like the ionosphere, so that the slaves' carriers follow from the master's, but for a few cycles. */
-	double wave = wave_of(system, t, i), advance_m = 2e6 / (wave * wave);
-	t->now[i].carrier_cyc = (t->now[i].range_m + advance_m * 100) * wave + between(-20, 20);
+	double wave = wave_of(system, t, i), advance_m = 250 / (wave * wave);
+	t->now[i].carrier_cyc = (t->now[i].range_m + advance_m) * wave + between(-20, 20);
 	t->now[i].lock = (int)below(below(3) == 0 ? 16 : 8);
 }
 
 static void new_satellite(unsigned system, unsigned number, satellite *t)
 {
-	memset(t, 0, sizeof *t);
-	t->channel = system == 1 ? (int)below(14) - 7 : 0;
+	t->signals = 0; /* what was known of it at the reference epoch stays */
+	t->is_geo = system == 3 && number >= 59;
+	memset(t->now, 0, sizeof t->now);
+	t->channel = system == 1 ? (int)(number * 5 % 14) - 7 : 0;
 	double low = rinex[system].short_base_m;
-	if (system == 3 && number >= 59) {
-		t->far = 1;
+	if (t->is_geo)
 		low = 34e6;
-	}
 	double range = below(10) == 0 ? between(0.1e6, 60e6) : between(low, low + 8.5e6);
 	t->rate_mps = below(10) == 0 ? between(-2000, 2000) : between(-800, 800);
 	for (unsigned i = 0; i < SIGNALS; i++) {

@@ -14,10 +14,10 @@
 #include "base/random.h"
 #include "formats/sbf_records.h"
 
-#define ABSENT  ((double)NAN)
-#define GPS_PI  3.1415926535898
-#define TO_DEG  (180 / M_PI)
-#define GIVEN   1e-8 /* nine digits are given for floats */
+#define ABSENT ((double)NAN)
+#define GPS_PI 3.1415926535898
+#define TO_DEG (180 / M_PI)
+#define GIVEN  1e-8 /* nine digits are given for floats */
 
 static fw_sbf_plans plans;
 static record_list list;
@@ -96,8 +96,9 @@ static void receiver_time(void **state)
 {
 	(void)state;
 	emit_hex("2440bd131a171800702fcb1c3f091905170e0b0012070000");
-	EXPECT(FW_time, {"gps_week", 2367}, {"tow_s", 483078}, {"utc_year", 25}, {"utc_month", 5}, {"utc_day", 23},
-	       {"utc_hour", 14}, {"utc_min", 11}, {"utc_sec", 0}, {"leap_s", 18}, {"sync", 7});
+	EXPECT(FW_time, {"gps_week", 2367}, {"tow_s", 483078}, {"utc_year", 25}, {"utc_month", 5},
+	       {"utc_day", 23}, {"utc_hour", 14}, {"utc_min", 11}, {"utc_sec", 0}, {"leap_s", 18},
+	       {"sync", 7});
 }
 
 static void dop(void **state)
@@ -109,28 +110,31 @@ static void dop(void **state)
 }
 
 #define PVT                                                                                                  \
-	"2440710ea74f600018a9c71c3f09060091827c11fecaed3f0decd5a89a13a4bf0f92c36df36560404fe941425bb9a03a0b98"   \
+	"2440710ea74f600018a9c71c3f09060091827c11fecaed3f0decd5a89a13a4bf0f92c36df36560404fe941425bb9a03a0b" \
+	"98"                                                                                                 \
 	"50ba738efc39f90295d0d821db51dcc3b13f7f8b4a3e000024077b0016010101225001010000370066008a006000"
 #define POS_COV                                                                                              \
-	"2440e0b91217380018a9c71c3f090600d7ae253eb743c93dae2ef43e009a863e432e703c6218573d156f113dc1ff70bd4e47"   \
+	"2440e0b91217380018a9c71c3f090600d7ae253eb743c93dae2ef43e009a863e432e703c6218573d156f113dc1ff70bd4e" \
+	"47"                                                                                                 \
 	"5cbd8c58ab3e"
 #define VEL_COV                                                                                              \
-	"244034961417380018a9c71c3f090600bdb6da374d9a9b374f384038f8ac1a38673d1b36f70ea23533cf3f35d3b244b6d890"   \
+	"244034961417380018a9c71c3f090600bdb6da374d9a9b374f384038f8ac1a38673d1b36f70ea23533cf3f35d3b244b6d8" \
+	"90"                                                                                                 \
 	"99b567fc0538"
 
 static void pvt_geodetic(void **state)
 {
 	(void)state;
 	emit_hex(PVT);
-	EXPECT(FW_pvt, {"gps_week", 2367}, {"tow_s", 482847}, {"mode", 6}, {"auto_base", 0}, {"two_d", 0}, {"error", 0},
-	       {"lat_deg", 0.931029352334081 * TO_DEG}, {"lon_deg", -0.039212067708796 * TO_DEG},
-	       {"height_m", 131.185965425466}, {"undulation_m", 48.4778404}, {"vn_mps", 0.00122622715},
-	       {"ve_mps", -0.000795722648}, {"vd_mps", -0.000481713185}, {"course_deg", ABSENT},
-	       {"clock_bias_s", 0.0693948459476198e-3}, {"clock_drift_ppm", 0.19779776}, {"time_system", 0},
-	       {"datum", 0}, {"n_sats", 36}, {"wa_corr", 7}, {"reference_id", 123}, {"corr_age_s", 2.78},
-	       {"signals", 1344405761}, {"alert", 1}, {"n_bases", 1}, {"ppp_info", 0}, {"latency_s", 0.0055},
-	       {"h_accuracy_m", 1.02}, {"v_accuracy_m", 1.38}, {"misc", 96}, {"sd_n_m", ABSENT},
-	       {"cov_vnvn_m2ps2", ABSENT});
+	EXPECT(FW_pvt, {"gps_week", 2367}, {"tow_s", 482847}, {"mode", 6}, {"auto_base", 0}, {"two_d", 0},
+	       {"error", 0}, {"lat_deg", 0.931029352334081 * TO_DEG},
+	       {"lon_deg", -0.039212067708796 * TO_DEG}, {"height_m", 131.185965425466},
+	       {"undulation_m", 48.4778404}, {"vn_mps", 0.00122622715}, {"ve_mps", -0.000795722648},
+	       {"vd_mps", -0.000481713185}, {"course_deg", ABSENT}, {"clock_bias_s", 0.0693948459476198e-3},
+	       {"clock_drift_ppm", 0.19779776}, {"time_system", 0}, {"datum", 0}, {"n_sats", 36},
+	       {"wa_corr", 7}, {"reference_id", 123}, {"corr_age_s", 2.78}, {"signals", 1344405761},
+	       {"alert", 1}, {"n_bases", 1}, {"ppp_info", 0}, {"latency_s", 0.0055}, {"h_accuracy_m", 1.02},
+	       {"v_accuracy_m", 1.38}, {"misc", 96}, {"sd_n_m", ABSENT}, {"cov_vnvn_m2ps2", ABSENT});
 	expect_number(&list, 0, "lat_deg", 0.931029352334081 * TO_DEG, 1e-14);
 }
 
@@ -165,8 +169,10 @@ static void blocks_of_an_epoch_merge(void **state)
 	list_clear(&list);
 	list_put(&list, FW_pvt, &record);
 	EXPECT(FW_pvt, {"gps_week", 2367}, {"tow_s", 482847}, {"height_m", 131.185965425466},
-	       {"cov_nd_m2", -0.0525134876}, {"cov_vnvd_m2ps2", -1.20742959e-06}, {"sd_d_m", sqrt(0.476918638)});
-	assert_int_equal(present_columns(0), fw_record_type_of(FW_pvt)->n_columns - 1); /* all but the course */
+	       {"cov_nd_m2", -0.0525134876}, {"cov_vnvd_m2ps2", -1.20742959e-06},
+	       {"sd_d_m", sqrt(0.476918638)});
+	assert_int_equal(present_columns(0),
+	                 fw_record_type_of(FW_pvt)->n_columns - 1); /* all but the course */
 }
 
 static void attitude_not_requested(void **state)
@@ -185,10 +191,11 @@ static void attitude_not_requested(void **state)
 static void ionosphere(void **state)
 {
 	(void)state;
-	emit_hex("2440ba2c05173000f0bb59183f090900000060320000c032000080b3000000b40000cc4700000048000080c70000e0c8");
+	emit_hex("2440ba2c05173000f0bb59183f090900000060320000c032000080b3000000b40000cc4700000048000080c7000"
+	         "0e0c8");
 	EXPECT(FW_klobuchar, {"tow_s", 408534}, {"alpha0_s", 1.3038516e-08}, {"alpha1_s", 2.23517418e-08},
-	       {"alpha2_s", -5.96046448e-08}, {"alpha3_s", -1.1920929e-07}, {"beta0_s", 104448}, {"beta1_s", 131072},
-	       {"beta2_s", -65536}, {"beta3_s", -458752});
+	       {"alpha2_s", -5.96046448e-08}, {"alpha3_s", -1.1920929e-07}, {"beta0_s", 104448},
+	       {"beta1_s", 131072}, {"beta2_s", -65536}, {"beta3_s", -458752});
 	assert_string_equal(list_text(&list, 0, "sat"), "G09");
 	assert_string_equal(list_text(&list, 0, "source"), "decoded");
 	emit_hex("24407b2cbe0f20003815c31c3f096a020080f9420000083f0000243c00000000");
@@ -202,12 +209,12 @@ static void clocks_of_systems(void **state)
 	(void)state;
 	emit_hex("2440e78a06172800f0bb59183f090900000000a800000000000028be000009003f12890712000048");
 	EXPECT(FW_utc, {"tow_s", 408534}, {"a1_sps", -7.10542736e-15}, {"a0_s", -2.79396772384644e-09},
-	       {"tot_s", 589824}, {"wnt", 63}, {"leap_s", 18}, {"wnlsf", 137}, {"dn", 7}, {"leap_future_s", 18},
-	       {"message", ABSENT});
+	       {"tot_s", 589824}, {"wnt", 63}, {"leap_s", 18}, {"wnlsf", 137}, {"dn", 7},
+	       {"leap_future_s", 18}, {"message", ABSENT});
 	assert_string_equal(list_text(&list, 0, "sat"), "G09");
 	emit_hex("2440b2a6c00f2000e0f9c21c3f096a10000090270000ac3000e907003f970600");
-	EXPECT(FW_ggto, {"tow_s", 482540}, {"message", 16}, {"a1_sps", 3.99680289e-15}, {"a0_s", 1.25146471e-09},
-	       {"tot_s", 518400}, {"wnt", 63});
+	EXPECT(FW_ggto, {"tow_s", 482540}, {"message", 16}, {"a1_sps", 3.99680289e-15},
+	       {"a0_s", 1.25146471e-09}, {"tot_s", 518400}, {"wnt", 63});
 	emit_hex("24400904c40f28002019c31c3f09380b0800fc010000003100000000000028be0000f03c00001cba");
 	EXPECT(FW_glo_time, {"tow_s", 482548}, {"glonass_channel", 3}, {"n4", 8}, {"kp", 0}, {"day", 508},
 	       {"tau_gps_s", 1.86264515e-09}, {"tau_c_s", -2.79396772384644e-09}, {"b1_s", 0.029296875},
@@ -221,16 +228,21 @@ static void sbas_messages(void **state)
 	emit_hex("2440adb125171000d0d2c21c3f097904");
 	EXPECT(FW_sbas_mt0, {"tow_s", 482530});
 	assert_string_equal(list_text(&list, 0, "sat"), "S121");
-	emit_hex("2440cfbd2a177000e0f9c21c3f0988000000000000000000b6f3fdd478e9d63fdf718a8ee4f27f3f780000000f2db29defa7"
-		 "ee3f780000000e2db29defa7c63f7b14ae47e17a943f7800000000000000a01a2fdd2406e53f2c01000000000000000000"
-		 "00000000000000000000000000");
-	EXPECT(FW_sbas_factors, {"tow_s", 482540}, {"brrc_m", 0}, {"cltc_lsb_m", 0.358}, {"cltc_v1_mps", 0.0078},
-	       {"iltc_v1_s", 120}, {"cltc_v0_m", 0.958}, {"iltc_v0_s", 120}, {"cgeo_lsb_m", 0.177},
-	       {"cgeo_v_mps", 0.02}, {"igeo_s", 120}, {"cer_m", 0}, {"ciono_step_m", 0.657}, {"iiono_s", 300},
-	       {"ciono_ramp_mps", 0}, {"rss_udre", 0}, {"rss_iono", 0}, {"ccovariance", 0});
-	emit_hex("2440bfe00817680040eac21c3f097bffb8000f0060c50000000000e035708241000000c0cf0870410000000000000000000000"
-		 "000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000"
-		 "0000");
+	emit_hex("2440cfbd2a177000e0f9c21c3f0988000000000000000000b6f3fdd478e9d63fdf718a8ee4f27f3f780000000f2"
+	         "db29defa7"
+	         "ee3f780000000e2db29defa7c63f7b14ae47e17a943f7800000000000000a01a2fdd2406e53f2c0100000000000"
+	         "0000000"
+	         "00000000000000000000000000");
+	EXPECT(FW_sbas_factors, {"tow_s", 482540}, {"brrc_m", 0}, {"cltc_lsb_m", 0.358},
+	       {"cltc_v1_mps", 0.0078}, {"iltc_v1_s", 120}, {"cltc_v0_m", 0.958}, {"iltc_v0_s", 120},
+	       {"cgeo_lsb_m", 0.177}, {"cgeo_v_mps", 0.02}, {"igeo_s", 120}, {"cer_m", 0},
+	       {"ciono_step_m", 0.657}, {"iiono_s", 300}, {"ciono_ramp_mps", 0}, {"rss_udre", 0},
+	       {"rss_iono", 0}, {"ccovariance", 0});
+	emit_hex(
+	    "2440bfe00817680040eac21c3f097bffb8000f0060c50000000000e035708241000000c0cf0870410000000000000000"
+	    "000000"
+	    "000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000"
+	    "0000");
 	EXPECT(FW_eph_sbas, {"tow_s", 482536}, {"iodn", 184}, {"ura", 15}, {"t0_s", 50528}, {"x_m", 38667964},
 	       {"y_m", 16813308}, {"z_m", 0}, {"vx_mps", 0}, {"az_mps2", 0}, {"agf0_s", 0}, {"agf1_sps", 0});
 	assert_string_equal(list_text(&list, 0, "sat"), "S123");
@@ -239,32 +251,36 @@ static void sbas_messages(void **state)
 static void pages(void **state)
 {
 	(void)state;
-	emit_hex("244091e8b10f3c00501dc11c3f0901010000002f103fc122c46b422741d4f93fe1644709c549050032138605d0818b06d1bf"
-		 "8030bac8e93f3ccdfc00");
+	emit_hex("244091e8b10f3c00501dc11c3f0901010000002f103fc122c46b422741d4f93fe1644709c549050032138605d08"
+	         "18b06d1bf"
+	         "8030bac8e93f3ccdfc00");
 	EXPECT(FW_page, {"crc_ok", 1}, {"viterbi", 0}, {"rx_channel", 47}, {"glonass_channel", ABSENT},
 	       {"e1_e5b", ABSENT});
 	assert_string_equal(list_text(&list, 0, "sat"), "G01");
 	assert_string_equal(list_text(&list, 0, "message"), "LNAV");
 	assert_string_equal(list_text(&list, 0, "signal"), "1C");
-	assert_string_equal(list_text(&list, 0, "bits"),
-			    "22C13F1027426BC43FF9D441094764E1000549C505861332068B81D03080BFD13FE9C8BA00FCCD3C");
+	assert_string_equal(
+	    list_text(&list, 0, "bits"),
+	    "22C13F1027426BC43FF9D441094764E1000549C505861332068B81D03080BFD13FE9C8BA00FCCD3C");
 
-	emit_hex("2440f568b70f34009811c11c3f096a010011000e34087a1362cc7b83201188c4506fd60bb001ebda0448f5b0e0fb0a5e0000"
-		 "0040");
+	emit_hex("2440f568b70f34009811c11c3f096a010011000e34087a1362cc7b83201188c4506fd60bb001ebda0448f5b0e0f"
+	         "b0a5e0000"
+	         "0040");
 	EXPECT(FW_page, {"crc_ok", 1}, {"e1_e5b", 0}, {"rx_channel", 14});
 	assert_string_equal(list_text(&list, 0, "sat"), "E36");
 	assert_string_equal(list_text(&list, 0, "message"), "INAV");
 	assert_string_equal(list_text(&list, 0, "signal"), "1C");
 	assert_string_equal(list_text(&list, 0, "bits"),
-			    "137A0834837BCC62C48811200BD66F50DAEB01B0B0F548045E0AFBE040000000");
+	                    "137A0834837BCC62C48811200BD66F50DAEB01B0B0F548045E0AFBE040000000");
 
-	emit_hex("24400b7eb40f34009811c11c3f0988010018001ec4ff12c6ff0300000000e8ff0000000000000000adbb03000000807b8029"
-		 "c50d");
+	emit_hex("24400b7eb40f34009811c11c3f0988010018001ec4ff12c6ff0300000000e8ff0000000000000000adbb0300000"
+	         "0807b8029"
+	         "c50d");
 	EXPECT(FW_sbas, {"type", 4}, {"crc_ok", 1}, {"viterbi", 0}, {"rx_channel", 30});
 	assert_string_equal(list_text(&list, 0, "sat"), "S136");
 	assert_string_equal(list_text(&list, 0, "signal"), "1C");
 	assert_string_equal(list_text(&list, 0, "bits"),
-			    "C612FFC4000003FFFFE8000000000000000000000003BBAD7B8000000DC5298");
+	                    "C612FFC4000003FFFFE8000000000000000000000003BBAD7B8000000DC5298");
 }
 
 static void markers_make_no_record(void **state)
@@ -291,10 +307,10 @@ static void absent_values(void **state)
 	fw_sbf_seal(block, 4007, 2, 96, UINT32_MAX, UINT16_MAX);
 	assert_int_equal(emit(block), FW_OK);
 	EXPECT(FW_pvt, {"gps_week", ABSENT}, {"tow_s", ABSENT}, {"lat_deg", ABSENT}, {"lon_deg", ABSENT},
-	       {"height_m", ABSENT}, {"vn_mps", ABSENT}, {"ve_mps", (double)-1.8e10F}, {"time_system", ABSENT},
-	       {"datum", ABSENT}, {"n_sats", ABSENT}, {"wa_corr", 255}, {"reference_id", ABSENT},
-	       {"corr_age_s", ABSENT}, {"signals", 4294967295.0}, {"latency_s", ABSENT}, {"h_accuracy_m", ABSENT},
-	       {"v_accuracy_m", 1.38});
+	       {"height_m", ABSENT}, {"vn_mps", ABSENT}, {"ve_mps", (double)-1.8e10F},
+	       {"time_system", ABSENT}, {"datum", ABSENT}, {"n_sats", ABSENT}, {"wa_corr", 255},
+	       {"reference_id", ABSENT}, {"corr_age_s", ABSENT}, {"signals", 4294967295.0},
+	       {"latency_s", ABSENT}, {"h_accuracy_m", ABSENT}, {"v_accuracy_m", 1.38});
 	assert_int_equal(list.at[0].record.head.gps_week, 0);
 
 	memset(block, 0, sizeof block);
@@ -349,8 +365,8 @@ static void sub_blocks_are_stepped_by_their_length(void **state)
 	memset(block, 0, sizeof block);
 	block[14] = 2;
 	for (unsigned i = 0; i < 2; i++) {
-		put_f8(16 + 60 * i + 4, 10.5 + i);          /* east */
-		put_f8(16 + 60 * i + 12, 20.25 + i);        /* north */
+		put_f8(16 + 60 * i + 4, 10.5 + i);   /* east */
+		put_f8(16 + 60 * i + 12, 20.25 + i); /* north */
 		fw_store_u16(block + 16 + 60 * i + 40, (uint16_t)(9000 + i));
 		fw_store_u16(block + 16 + 60 * i + 42, i == 0 ? (uint16_t)-1234 : 0x8000);
 	}
@@ -443,7 +459,7 @@ static void satellite_positions(void **state)
 	for (unsigned i = 0; i < 2; i++) {
 		uint8_t *sub = block + 16 + 48 * i;
 		sub[0] = (uint8_t)(7 + i);
-		fw_store_u16(sub + 40, i == 0 ? 45 : 0x8000);    /* 45 + 128/256: 4.55 m */
+		fw_store_u16(sub + 40, i == 0 ? 45 : 0x8000);       /* 45 + 128/256: 4.55 m */
 		fw_store_u16(sub + 42, i == 0 ? (uint16_t)-3 : 24); /* -3 + 64/256: -0.275 m */
 		sub[44] = 128, sub[45] = 64, sub[46] = 1;
 	}
@@ -492,7 +508,7 @@ static void texts(void **state)
 	emit_block(5902, 424);
 	assert_int_equal(list.n, 1);
 	assert_string_equal(list_text(&list, 0, "marker_name"),
-			    "mmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmm");
+	                    "mmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmmm");
 	assert_string_equal(list_text(&list, 0, "marker_number"), "17");
 	assert_string_equal(list_text(&list, 0, "observer"), "absent");
 	assert_string_equal(list_text(&list, 0, "country"), "BBB");
@@ -565,11 +581,12 @@ static void ins_parts_make_one_record(void **state)
 	for (unsigned i = 0; i < 9; i++)
 		put_f4(56 + 4 * i, (float)i + 0.5F);
 	emit_block(4226, 92);
-	EXPECT(FW_ins, {"mode", 4}, {"att_mode", 2}, {"info", 0x1234}, {"gnss_age_s", 0.2}, {"lat_deg", TO_DEG},
-	       {"lon_deg", -2 * TO_DEG}, {"height_m", 99.5}, {"undulation_m", 48.5}, {"accuracy_m", 0.05},
-	       {"latency_s", 0.0012}, {"datum", 0}, {"sd_n_m", 0.5}, {"sd_e_m", 1.5}, {"sd_d_m", 2.5},
-	       {"heading_deg", 3.5}, {"pitch_deg", 4.5}, {"roll_deg", 5.5}, {"sd_heading_deg", ABSENT},
-	       {"ve_mps", ABSENT}, {"cov_vnve_m2ps2", 6.5}, {"cov_vevd_m2ps2", -7.5}, {"cov_vnvd_m2ps2", -8.5});
+	EXPECT(FW_ins, {"mode", 4}, {"att_mode", 2}, {"info", 0x1234}, {"gnss_age_s", 0.2},
+	       {"lat_deg", TO_DEG}, {"lon_deg", -2 * TO_DEG}, {"height_m", 99.5}, {"undulation_m", 48.5},
+	       {"accuracy_m", 0.05}, {"latency_s", 0.0012}, {"datum", 0}, {"sd_n_m", 0.5}, {"sd_e_m", 1.5},
+	       {"sd_d_m", 2.5}, {"heading_deg", 3.5}, {"pitch_deg", 4.5}, {"roll_deg", 5.5},
+	       {"sd_heading_deg", ABSENT}, {"ve_mps", ABSENT}, {"cov_vnve_m2ps2", 6.5},
+	       {"cov_vevd_m2ps2", -7.5}, {"cov_vnvd_m2ps2", -8.5});
 
 	fw_store_u16(block + 54, 1 << 3 | 1 << 5);
 	emit_block(4230, 80);
@@ -627,7 +644,7 @@ static void imu_is_turned_into_the_vehicle(void **state)
 	expect_number(&list, 0, "accel_x_mps2", 1, 0); /* in the sensor's own axes as ever */
 	const double expected[] = {2, 1, -9.8, 20 / TO_DEG, 10 / TO_DEG, -30 / TO_DEG};
 	const char *const columns[] = {"accel_x_mps2", "accel_y_mps2", "accel_z_mps2",
-				       "gyro_x_radps", "gyro_y_radps", "gyro_z_radps"};
+	                               "gyro_x_radps", "gyro_y_radps", "gyro_z_radps"};
 	for (int i = 0; i < 6; i++)
 		expect_number(&list, 2, columns[i], expected[i], 1e-14);
 }
@@ -724,13 +741,14 @@ static void noise_does_no_harm(void **state)
 	size_t records = 0;
 	for (int i = 0; i < fw_sbf_n_schemas; i++) {
 		for (int k = 0; k < 200; k++) {
-			uint16_t length = (uint16_t)(16 + 4 * fw_random_below(&random, k % 10 == 0 ? 2000 : 50));
+			uint16_t length =
+			    (uint16_t)(16 + 4 * fw_random_below(&random, k % 10 == 0 ? 2000 : 50));
 			uint8_t *bytes = malloc(length);
 			for (unsigned at = 0; at < length; at++)
 				bytes[at] = (uint8_t)fw_random_u64(&random);
 			fw_sbf_seal(bytes, fw_sbf_schemas[i].id, 0, length, (uint32_t)k, 2);
 			fw_status status =
-				fw_sbf_emit(&plans, bytes, length, &all, (fw_sink){check_record, &records});
+			    fw_sbf_emit(&plans, bytes, length, &all, (fw_sink){check_record, &records});
 			assert_true(status == FW_OK || status == FW_EUNKNOWN || status == FW_EFORMAT);
 			free(bytes);
 		}
@@ -741,33 +759,33 @@ static void noise_does_no_harm(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(receiver_time),
-		cmocka_unit_test(dop),
-		cmocka_unit_test(pvt_geodetic),
-		cmocka_unit_test(covariances),
-		cmocka_unit_test(blocks_of_an_epoch_merge),
-		cmocka_unit_test(attitude_not_requested),
-		cmocka_unit_test(ionosphere),
-		cmocka_unit_test(clocks_of_systems),
-		cmocka_unit_test(sbas_messages),
-		cmocka_unit_test(pages),
-		cmocka_unit_test(markers_make_no_record),
-		cmocka_unit_test(absent_values),
-		cmocka_unit_test(short_blocks),
-		cmocka_unit_test(rows_take_what_the_block_says_once),
-		cmocka_unit_test(sub_blocks_are_stepped_by_their_length),
-		cmocka_unit_test(contradictions_emit_nothing),
-		cmocka_unit_test(residuals),
-		cmocka_unit_test(satellite_positions),
-		cmocka_unit_test(receiver_status),
-		cmocka_unit_test(texts),
-		cmocka_unit_test(events_carry_their_own_time),
-		cmocka_unit_test(ins_parts_make_one_record),
-		cmocka_unit_test(imu_is_turned_into_the_vehicle),
-		cmocka_unit_test(mounting_angles_apply_in_order),
-		cmocka_unit_test(other_sensor_measurements),
-		cmocka_unit_test(unwanted_kinds_are_not_made),
-		cmocka_unit_test(noise_does_no_harm),
+	    cmocka_unit_test(receiver_time),
+	    cmocka_unit_test(dop),
+	    cmocka_unit_test(pvt_geodetic),
+	    cmocka_unit_test(covariances),
+	    cmocka_unit_test(blocks_of_an_epoch_merge),
+	    cmocka_unit_test(attitude_not_requested),
+	    cmocka_unit_test(ionosphere),
+	    cmocka_unit_test(clocks_of_systems),
+	    cmocka_unit_test(sbas_messages),
+	    cmocka_unit_test(pages),
+	    cmocka_unit_test(markers_make_no_record),
+	    cmocka_unit_test(absent_values),
+	    cmocka_unit_test(short_blocks),
+	    cmocka_unit_test(rows_take_what_the_block_says_once),
+	    cmocka_unit_test(sub_blocks_are_stepped_by_their_length),
+	    cmocka_unit_test(contradictions_emit_nothing),
+	    cmocka_unit_test(residuals),
+	    cmocka_unit_test(satellite_positions),
+	    cmocka_unit_test(receiver_status),
+	    cmocka_unit_test(texts),
+	    cmocka_unit_test(events_carry_their_own_time),
+	    cmocka_unit_test(ins_parts_make_one_record),
+	    cmocka_unit_test(imu_is_turned_into_the_vehicle),
+	    cmocka_unit_test(mounting_angles_apply_in_order),
+	    cmocka_unit_test(other_sensor_measurements),
+	    cmocka_unit_test(unwanted_kinds_are_not_made),
+	    cmocka_unit_test(noise_does_no_harm),
 	};
 	return cmocka_run_group_tests(tests, set_up, NULL);
 }

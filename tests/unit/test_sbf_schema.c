@@ -64,7 +64,8 @@ static void blocks_ascend_and_are_found(void **state)
 }
 
 /* Every byte from `start` to `end` belongs to one field. */
-static void check_no_gap(const fw_sbf_schema *schema, const fw_sbf_field *fields, unsigned n, size_t start, size_t end)
+static void check_no_gap(const fw_sbf_schema *schema, const fw_sbf_field *fields, unsigned n, size_t start,
+                         size_t end)
 {
 	for (unsigned i = 0; i < n; i++) {
 		if (fields[i].width > 0)
@@ -158,12 +159,12 @@ static const struct {
 	fw_kind kind;
 	const char *name;
 } by_code[] = {
-	{FW_event, "rx_tow_s"},   {FW_satpos, "iono_m"}, {FW_satpos, "tropo_m"}, {FW_residual, "quantity"},
-	{FW_residual, "mdb"},     {FW_comment, "text"},
+    {FW_event, "rx_tow_s"},    {FW_satpos, "iono_m"}, {FW_satpos, "tropo_m"},
+    {FW_residual, "quantity"}, {FW_residual, "mdb"},  {FW_comment, "text"},
 };
 
 typedef struct {
-	int64_t block;                  /* columns that the block at hand fills */
+	int64_t block;                   /* columns that the block at hand fills */
 	int64_t filled[FW_RECORD_COUNT]; /* columns that any block fills */
 } columns;
 
@@ -205,8 +206,8 @@ static void each_column_exists_and_is_filled_once(void **state)
 
 	/* What no block fills: ext_sensor and event_att are special, the rest was forgotten. */
 	for (int kind = 0; kind < FW_RECORD_COUNT; kind++) {
-		if (c.filled[kind] == 0 || kind == FW_ext_sensor || kind == FW_event_att || kind == FW_event_pvt ||
-		    kind == FW_event_pvt_ecef)
+		if (c.filled[kind] == 0 || kind == FW_ext_sensor || kind == FW_event_att ||
+		    kind == FW_event_pvt || kind == FW_event_pvt_ecef)
 			continue;
 		const fw_record_type *type = fw_record_type_of((fw_kind)kind);
 		for (int column = 2; column < type->n_columns; column++)
@@ -218,10 +219,10 @@ static void each_column_exists_and_is_filled_once(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(blocks_ascend_and_are_found),
-		cmocka_unit_test(fields_have_no_gaps),
-		cmocka_unit_test(views_lie_on_fields),
-		cmocka_unit_test(each_column_exists_and_is_filled_once),
+	    cmocka_unit_test(blocks_ascend_and_are_found),
+	    cmocka_unit_test(fields_have_no_gaps),
+	    cmocka_unit_test(views_lie_on_fields),
+	    cmocka_unit_test(each_column_exists_and_is_filled_once),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

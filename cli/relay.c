@@ -1,0 +1,164 @@
+#include "relay.h"
+
+#include <signal.h>
+#include <string.h>
+
+/* In a batch: this, the record's struct, its strings; and so on, each from a multiple of 16. */
+typedef struct {
+	fw_kind kind;
+	uint32_t length; /* to the next one [bytes] */
+} item;
+
+enum { ITEM = 16 };
+
+static size_t aligned(size_t n)
+{
+	return (n + 15) / 16 * 16;
+}
+
+static void empty_batch(const relay *r, const char *bytes, size_t used)
+{
+	for (size_t at = 0; at < used;) {
+		item it;
+		memcpy(&it, bytes + at, sizeof it);
+		r->to.put(r->to.context, it.kind, bytes + at + ITEM);
+		at += it.length;
+	}
+}
+
+static void *run(void *context)
+{
+	relay *r = context;
+	pthread_mutex_lock(&r->lock);
+	for (;;) {
+		while (r->emptied == r->filled && !r->stopping)
+			pthread_cond_wait(&r->changed, &r->lock);
+		if (r->emptied == r->filled)
+			break;
+		unsigned i = r->emptied % RELAY_BATCHES;
+		pthread_mutex_unlock(&r->lock);
+		empty_batch(r, r->batch[i].bytes, r->batch[i].used);
+		pthread_mutex_lock(&r->lock);
+		r->batch[i].used = 0;
+		r->emptied++;
+		pthread_cond_broadcast(&r->changed);
+	}
+	pthread_mutex_unlock(&r->lock);
+	return NULL;
+}
+
+/* Hands the batch over and waits until there is a next one to fill. */
+static void hand_over(relay *r)
+{
+	pthread_mutex_lock(&r->lock);
+	r->filled++;
+	pthread_cond_broadcast(&r->changed);
+	while (r->filled - r->emptied == RELAY_BATCHES)
+		pthread_cond_wait(&r->changed, &r->lock);
+	pthread_mutex_unlock(&r->lock);
+}
+
+static void find_strings(relay *r)
+{
+	for (fw_kind kind = 0; kind < FW_RECORD_COUNT; kind++) {
+		const fw_record_type *type = fw_record_type_of(kind);
+		r->strings[kind].n = 0;
+		for (int i = 0; i < type->n_columns; i++)
+			if (type->columns[i].type == FW_STR)
+				r->strings[kind].member[r->strings[kind].n++] = type->columns[i].offset;
+	}
+}
+
+/* What an item needs, strings included. */
+static size_t item_length(const relay *r, fw_kind kind, const char *record)
+{
+	size_t n = ITEM + fw_record_type_of(kind)->size;
+	for (unsigned i = 0; i < r->strings[kind].n; i++) {
+		const char *text;
+		memcpy(&text, record + r->strings[kind].member[i], sizeof text);
+		n += text != NULL ? strlen(text) + 1 : 0;
+	}
+	return aligned(n);
+}
+
+static void put_item(const relay *r, char *p, fw_kind kind, const char *record, size_t length)
+{
+	const item it = {kind, (uint32_t)length};
+	const size_t size = fw_record_type_of(kind)->size;
+	char *copy = p + ITEM, *text = copy + size;
+	memcpy(p, &it, sizeof it);
+	memcpy(copy, record, size);
+	for (unsigned i = 0; i < r->strings[kind].n; i++) {
+		const char *from;
+		char *member = copy + r->strings[kind].member[i];
+		memcpy(&from, member, sizeof from);
+		if (from == NULL)
+			continue;
+		size_t n = strlen(from) + 1;
+		memcpy(member, &text, sizeof text);
+		memcpy(text, from, n);
+		text += n;
+	}
+}
+
+static void put(void *context, fw_kind kind, const void *record)
+{
+	relay *r = context;
+	size_t length = item_length(r, kind, record);
+
+	if (length > RELAY_BATCH) { /* larger than any batch: by hand */
+		relay_drain(r);
+		r->to.put(r->to.context, kind, record);
+		return;
+	}
+	if (length > RELAY_BATCH - r->batch[r->filled % RELAY_BATCHES].used)
+		hand_over(r);
+	unsigned i = r->filled % RELAY_BATCHES;
+	put_item(r, r->batch[i].bytes + r->batch[i].used, kind, record, length);
+	r->batch[i].used += length;
+}
+
+fw_sink relay_start(relay *r, fw_sink to)
+{
+	sigset_t ours, before;
+	r->to = to;
+	r->filled = r->emptied = 0;
+	r->stopping = false;
+	find_strings(r);
+	for (int i = 0; i < RELAY_BATCHES; i++)
+		r->batch[i].used = 0;
+	pthread_mutex_init(&r->lock, NULL);
+	pthread_cond_init(&r->changed, NULL);
+	sigemptyset(&ours); /* to stop is for the thread that reads; a broken pipe is the writer's */
+	sigaddset(&ours, SIGINT);
+	sigaddset(&ours, SIGTERM);
+	pthread_sigmask(SIG_BLOCK, &ours, &before);
+	r->running = pthread_create(&r->thread, NULL, run, r) == 0;
+	pthread_sigmask(SIG_SETMASK, &before, NULL);
+	return r->running ? (fw_sink){put, r} : to;
+}
+
+void relay_drain(relay *r)
+{
+	if (!r->running)
+		return;
+	if (r->batch[r->filled % RELAY_BATCHES].used > 0)
+		hand_over(r);
+	pthread_mutex_lock(&r->lock);
+	while (r->emptied != r->filled)
+		pthread_cond_wait(&r->changed, &r->lock);
+	pthread_mutex_unlock(&r->lock);
+}
+
+void relay_stop(relay *r)
+{
+	if (!r->running)
+		return;
+	relay_drain(r);
+	pthread_mutex_lock(&r->lock);
+	r->stopping = true;
+	pthread_cond_broadcast(&r->changed);
+	pthread_mutex_unlock(&r->lock);
+	pthread_join(r->thread, NULL);
+	r->running = false;
+}

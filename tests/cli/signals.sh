@@ -1,0 +1,61 @@
+# SIGINT and SIGTERM: whole rows, a last line that says partial, the exit status of the signal; with -o the old file.
+set -u
+. "$SRC/tests/common.bash"
+rm -rf out
+mkdir out
+
+# interrupted SIGNAL STATUS ARGUMENT...: sends SIGNAL while an endless log is read
+interrupted() {
+	local signal=$1 wanted=$2 status=0
+	shift 2
+	"$sbf2csv" "$@" < <("$BENCH/extend_log" "$log" 0 2> endless) > printed 2> messages &
+	sleep 0.3
+	kill -"$signal" $!
+	wait $! || status=$?
+	[ $status = "$wanted" ] || complain "$signal, $*: exit $status"
+}
+
+
+for signal in INT TERM; do
+	status=$((128 + $(kill -l $signal)))
+	interrupted $signal $status -s
+	tail -n 1 printed | grep -q '^#end status=partial rows=[1-9][0-9]* skipped=0$' || complain "$signal: no #end"
+	expect 1 "$signal: reading it again" "$sbf2csv" -s printed > again
+	[ "$(grep -c '^[^#]' printed)" = "$(grep -c '^[^#]' again)" ] || complain "$signal: rows that cannot be read again"
+
+	interrupted $signal $status -t obs
+	awk -F, 'NR == 1 { n = NF } NF != n { exit 1 } END { exit NR < 2 }' printed || complain "$signal: half a row"
+	[ -z "$(tail -c 1 printed)" ] || complain "$signal: no line end"
+
+	for mode in "-t obs" "-s" "-f lcm" "--list"; do
+		echo old > out/target
+		interrupted $signal $status $mode -o out/target
+		[ "$(< out/target)" = old ] || complain "$signal, $mode: the target has changed"
+		[ "$(ls -A out)" = target ] || complain "$signal, $mode: left behind: $(ls -A out | tr '\n' ' ')"
+	done
+	echo old > out/obs.csv
+	rm out/target
+	interrupted $signal $status --split out
+	[ "$(< out/obs.csv)" = old ] || complain "$signal, --split: a table has changed"
+	[ "$(ls -A out)" = obs.csv ] || complain "$signal, --split: left behind: $(ls -A out | tr '\n' ' ')"
+	rm out/obs.csv
+
+	# While it waits: for a log that pauses, for a writer, for a reader.
+	rm -f pipe
+	mkfifo pipe
+	for arguments in "-s pipe" "-s -o pipe $log"; do
+		status_now=0
+		"$sbf2csv" $arguments > printed 2> messages &
+		sleep 0.1
+		kill -$signal $!
+		wait $! || status_now=$?
+		[ $status_now = $status ] || complain "$signal, $arguments: exit $status_now"
+	done
+	status_now=0
+	"$sbf2csv" -s < <(cat "$log"; sleep 1) > printed 2> messages &
+	sleep 0.2
+	kill -$signal $!
+	wait $! || status_now=$?
+	[ $status_now = $status ] || complain "$signal, log that pauses: exit $status_now"
+done
+exit $failed
