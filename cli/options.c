@@ -173,13 +173,16 @@ static int ini_value(void *context, const char *section, const char *key, const 
 		return 1;
 	char where[512];
 	snprintf(where, sizeof where, "%s: ", r->file);
-	char *copy = strdup(value); /* lives as long as the program */
+	char *copy = strdup(value);
 	r->no_memory |= copy == NULL;
 	if (copy == NULL || !set_key(r->o, where, key, copy)) {
 		free(copy);
 		r->refused = 1;
 		return 0;
 	}
+	char **kept = &r->o->kept[find_entry(r->o, key)];
+	free(*kept); /* the key stood there twice */
+	*kept = copy;
 	return 1;
 }
 

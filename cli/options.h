@@ -37,6 +37,7 @@ typedef struct {
 	const char *text[MAX_OPTIONS]; /* as given, or the fallback; NULL: unset */
 	double number[MAX_OPTIONS];    /* OPTION_NUMBER and OPTION_FLAG (0 or 1) */
 	fw_time time[MAX_OPTIONS];     /* OPTION_TIME */
+	char *kept[MAX_OPTIONS];       /* the text of values from the INI file, also when others are in force */
 	int first_file;                /* index in argv of the first operand */
 } options;
 

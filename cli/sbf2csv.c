@@ -94,8 +94,8 @@ static int make_plan(sink_plan *sink, source_plan *source)
 	             : lcm           ? SINK_LCM
 	             : stream        ? SINK_STREAM
 	                             : SINK_TABLE;
-	if ((split != NULL) + (url != NULL) + (options_text(&opts, "output") != NULL) > 1 || (stream && (split || lcm))) {
-		tool_error(&self, "--output, --split, --lcm-url and --stream with --format lcm exclude each other");
+	if ((split != NULL) + (url != NULL) + (options_text(&opts, "output") != NULL) > 1 || (stream && split != NULL)) {
+		tool_error(&self, "--output, --split and --lcm-url exclude each other; so do --stream and --split");
 		return EXIT_USAGE;
 	}
 	if (sink->mode == SINK_TABLE && n > 1) {

@@ -36,6 +36,7 @@ typedef struct {
 	source_totals *totals;
 	tool_progress progress;
 	uint64_t lost; /* in this file */
+	int partial;   /* it says itself that it is not all */
 } job;
 
 /* ---- what is it? ---- */
@@ -110,9 +111,12 @@ static void explain(const job *j, const fw_sbf_decoder_stats *s)
 	if (s->no_reference > 0)
 		tool_note(j->t, "%s: %" PRIu64 " Meas3 epochs without their reference epoch left out", j->name,
 		          s->no_reference);
-	if (s->other_antenna > 0)
+	if (s->left_out.other_antenna > 0)
 		tool_note(j->t, "%s: %" PRIu64 " observations of other antennas left out (--antenna)", j->name,
-		          s->other_antenna);
+		          s->left_out.other_antenna);
+	if (s->left_out.unnamed > 0)
+		tool_note(j->t, "%s: %" PRIu64 " observations of GLONASS satellites of unknown slot left out", j->name,
+		          s->left_out.unnamed);
 	if (s->bad_pages > 0)
 		tool_note(j->t, "%s: %" PRIu64 " navigation pages fail their checksum", j->name, s->bad_pages);
 }
@@ -145,7 +149,7 @@ static fw_status read_sbf(job *j)
 
 static void put_wanted(const job *j, fw_kind kind, const fw_any_record *record)
 {
-	if (kind == FW_meta || fw_kind_in(&j->plan->wanted, kind))
+	if (j->plan->blocks == NULL && (kind == FW_meta || fw_kind_in(&j->plan->wanted, kind)))
 		j->sink.put(j->sink.context, kind, record);
 	if (kind == FW_meta)
 		return;
@@ -174,7 +178,8 @@ static fw_status read_text(job *j)
 	}
 	if (r->unknown_columns > 0)
 		tool_note(j->t, "%s: %d unknown columns ignored, '%s' first", j->name, r->unknown_columns, r->unknown);
-	j->lost += r->lost + (r->partial || status == FW_EUNKNOWN);
+	j->lost += r->lost + r->skipped + (status == FW_EUNKNOWN);
+	j->partial |= r->partial;
 	return must_stop(j) ? FW_EOF : status;
 }
 
@@ -189,7 +194,7 @@ static fw_status read_lcm(job *j)
 	while (!must_stop(j) && (status = fw_lcm_read(r, &kind, &record)) != FW_EOF) {
 		if (status == FW_OK)
 			put_wanted(j, kind, &record);
-		else if (status == FW_EFORMAT)
+		else if (status == FW_ESYNTAX)
 			tool_warn(j->t, CAUSE_DAMAGE, "%s: byte %" PRIu64 ": %s", j->name, r->lost_offset, r->reason);
 		else
 			break;
@@ -197,7 +202,8 @@ static fw_status read_lcm(job *j)
 	}
 	if (r->foreign > 0)
 		tool_note(j->t, "%s: %" PRIu64 " events on other channels passed over", j->name, r->foreign);
-	j->lost += r->lost + r->partial;
+	j->lost += r->lost + r->skipped;
+	j->partial |= r->partial;
 	return must_stop(j) ? FW_EOF : status;
 }
 
@@ -268,7 +274,7 @@ int source_read(tool *t, const char *path, const source_plan *plan, fw_sink sink
 	totals->lost += j.lost;
 	if (failed)
 		return EXIT_IO;
-	return j.lost > 0 || totals->bytes_skipped > 0 ? EXIT_PARTIAL : EXIT_COMPLETE;
+	return j.lost > 0 || j.partial || totals->bytes_skipped > 0 ? EXIT_PARTIAL : EXIT_COMPLETE;
 }
 
 void source_offer(const tool *t, const source_totals *totals)

@@ -251,6 +251,15 @@ void fw_csv_meta(fw_csv_writer *w, const char *key, const char *value)
 	end_line(w, start, p);
 }
 
+/* Whether a line `#key value` would be just that, and not a stream's begin, its end or the announcement of a type:
+ * records that came from elsewhere may have any key. */
+static bool is_key(const char *key)
+{
+	return key && *key &&
+	       key[strspn(key, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-")] == '\0' &&
+	       strcmp(key, "end") != 0 && strcmp(key, "furrow-stream") != 0;
+}
+
 static void announce(fw_csv_writer *w, fw_kind kind, const fw_record_type *type)
 {
 	char before[40];
@@ -292,7 +301,8 @@ void fw_csv_put(void *writer, fw_kind kind, const void *record)
 		return;
 	if (w->only == FW_RECORD_COUNT && kind == FW_meta) {
 		const furrow_meta *meta = record;
-		fw_csv_meta(w, meta->key ? meta->key : "", meta->value ? meta->value : "");
+		if (is_key(meta->key))
+			fw_csv_meta(w, meta->key, meta->value ? meta->value : "");
 		return;
 	}
 	if (w->only == FW_RECORD_COUNT && !w->announced[kind])
@@ -563,7 +573,7 @@ static fw_status read_row(fw_csv_reader *r, fw_kind kind, span row, int field, f
 {
 	const fw_record_type *type = fw_record_type_of(kind);
 
-	if (memchr(row.p, '\0', row.n))
+	if (row.p && memchr(row.p, '\0', row.n))
 		return problem(r, 0, "", "a NUL byte");
 	fw_record_clear(kind, record);
 	for (int i = 0; i < r->n_fields[kind]; i++, field++) {
@@ -745,7 +755,7 @@ static fw_status read_meta(fw_csv_reader *r, span line, fw_kind *kind, fw_any_re
 		*meta.value++ = '\0';
 	if (strcmp(meta.key, "end") == 0) {
 		r->ended = true;
-		r->partial |= strncmp(meta.value, "status=complete", 15) != 0;
+		r->partial |= fw_record_end(meta.value, &r->skipped);
 		return FW_MORE;
 	}
 	*kind = FW_meta;

@@ -57,8 +57,9 @@ void fw_csv_begin_table(fw_csv_writer *w, fw_kind kind, fw_output *output, void 
 void fw_csv_begin_stream(fw_csv_writer *w, fw_output *output, void *context);
 
 /* Write a record: the `put` of a fw_sink whose context is the writer. A table passes over records of other
- * types. In a stream a FW_meta record becomes a line `#key value`. A number that is not finite is written as
- * absent; a byte that is not UTF-8 is written as '?'. Failures are latched in w->status. */
+ * types. In a stream a FW_meta record becomes a line `#key value`, unless its key would make it another line.
+ * A number that is not finite is written as absent; a byte that is not UTF-8 is written as '?'. Failures are
+ * latched in w->status. */
 void fw_csv_put(void *writer, fw_kind kind, const void *record);
 
 /* Write the line `#key value`: provenance ("pg"), settings ("cfg"). Control characters become blanks.
@@ -88,6 +89,7 @@ typedef struct {
 	/* Public to read. */
 	bool stream;            /* a stream (else a table): known after the first fw_csv_read() */
 	bool partial;           /* a writer upstream marked its stream as partial */
+	uint64_t skipped;       /* and how many units it had lost */
 	fw_kind table;          /* a table's type */
 	uint64_t rows;          /* rows read */
 	uint64_t lost;          /* rows lost */

@@ -199,15 +199,18 @@ static fw_status read_gzip(fw_input *in, void *buf, size_t n, size_t *got)
 	size_t more;
 	fw_status status = FW_OK;
 
-	while (status == FW_OK && *got == 0) {
+	while (status == FW_OK) {
+		/* First without new bytes: zlib may hold some back that a small buf had no room for. */
+		if (!in->member_done)
+			status = inflate_some(in, buf, n, got);
+		if (status != FW_OK || *got > 0)
+			return status;
 		if (in->raw_pos == in->raw_end) {
 			status = refill_raw(in, &more);
 			if (status == FW_OK && more == 0)
 				return in->member_done ? FW_EOF : FW_ETRUNCATED;
 		} else if (in->member_done) {
 			status = next_member(in);
-		} else {
-			status = inflate_some(in, buf, n, got);
 		}
 	}
 	return status;

@@ -145,7 +145,7 @@ static fw_status note_meta(fw_lcm_reader *r, const furrow_meta *meta)
 	if (strcmp(meta->key, "end") != 0)
 		return FW_OK;
 	r->ended = true;
-	r->partial |= strncmp(meta->value, "status=complete", 15) != 0;
+	r->partial |= fw_record_end(meta->value, &r->skipped);
 	return FW_MORE;
 }
 

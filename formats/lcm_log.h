@@ -35,6 +35,7 @@ enum {
 typedef struct {
 	/* Public to read. */
 	bool partial;         /* a writer upstream marked its log as partial */
+	uint64_t skipped;     /* and how many units it had lost */
 	uint64_t rows;        /* records read, FURROW_META not among them */
 	uint64_t foreign;     /* events on channels that are not furrow's */
 	uint64_t lost;        /* damaged events, and stretches between events that are none */

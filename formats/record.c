@@ -54,6 +54,7 @@ static const struct {
     {"obs_extra", "", "_hz2", FW_TEXT_FIXED, 6},    /* some hundred times as much */
     {"", "", "_deg", FW_TEXT_FIXED, 9},
     {"", "", "_m", FW_TEXT_FIXED, 4},
+    {"aux_ant", "", "_mps", FW_TEXT_SHORTEST, 0},
     {"", "", "_mps", FW_TEXT_FIXED, 4},
     {"", "", "_mps2", FW_TEXT_FIXED, 9},
     {"", "gyro_", "_radps", FW_TEXT_FIXED, 9},
@@ -159,7 +160,7 @@ fw_kind fw_record_find(const char *name, size_t n)
 int fw_record_column(const fw_record_type *type, const char *name, size_t n)
 {
 	for (int i = 0; i < type->n_columns; i++)
-		if (strlen(type->columns[i].name) == n && memcmp(type->columns[i].name, name, n) == 0)
+		if (strncmp(type->columns[i].name, name, n) == 0 && strlen(type->columns[i].name) == n)
 			return i;
 	return -1;
 }
@@ -277,6 +278,19 @@ fw_status fw_record_time(const void *record, fw_time *t)
 	if ((head->present & 3) != 3)
 		return FW_EINVAL;
 	return fw_time_from_gps_s(head->gps_week, head->tow_s, t);
+}
+
+bool fw_record_end(const char *value, uint64_t *skipped)
+{
+	const char *word = strstr(value, " skipped=");
+	int64_t n;
+
+	if (word != NULL) {
+		word += strlen(" skipped=");
+		if (fw_get_i64(word, strcspn(word, " "), &n) == FW_OK && n > 0)
+			*skipped += (uint64_t)n;
+	}
+	return strncmp(value, "status=complete", 15) != 0;
 }
 
 /* ---- LCM ---------------------------------------------------------------------------------------------- */

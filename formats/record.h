@@ -13,6 +13,7 @@
 #ifndef FURROW_FORMATS_RECORD_H
 #define FURROW_FORMATS_RECORD_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -141,6 +142,10 @@ fw_status fw_record_decode(fw_kind kind, const void *data, size_t n, void *recor
  * one that did not are the same bit for bit: a number that is not finite and an empty string become absent,
  * -0 becomes 0. (CSV writes '?' for bytes that are no UTF-8; strings stay as they are here.) */
 void fw_record_round(fw_kind kind, void *record);
+
+/* What the closing line of a stream or log says, "status=... rows=... skipped=N": returns whether it is partial, and adds
+ * N to *skipped. */
+bool fw_record_end(const char *value, uint64_t *skipped);
 
 /* The record's time stamp. Returns FW_OK; FW_EINVAL: week or time of week is absent; FW_ERANGE or
  * FW_ENONFINITE: they are no time (base/time.h). *t untouched on failure. */

@@ -133,7 +133,7 @@ static void write_absent(const fw_sbf_step *step, uint8_t *p)
 	const fw_sbf_field *field = step->field;
 	if (field->convert == SBF_SIGNAL)
 		write_signal(step, "", '\0', p);
-	if (field->width > 0 || field->convert != SBF_NUMBER)
+	if (field->width > 0 || (field->convert != SBF_NUMBER && field->convert != SBF_CHANNEL))
 		return;
 	if (field->type == SBF_F4 || field->type == SBF_F8)
 		write_float(p, field->type, FLOAT_DO_NOT_USE);
@@ -177,6 +177,7 @@ static void write_values(const fw_sbf_plans *plans, fw_sbf_steps steps, const vo
 			continue;
 		}
 		switch (field->convert) {
+		case SBF_CHANNEL:
 		case SBF_NUMBER: write_number(step, member, p); break;
 		case SBF_SATELLITE: p[0] = fw_sbf_svid(read_string(member)); break;
 		case SBF_SIGNAL:

@@ -71,7 +71,7 @@ void fw_sbf_decoder_flush(fw_sbf_decoder *d)
 {
 	const fw_sbf_meas3_stats *m = &d->meas3.stats;
 	fw_sbf_meas3_flush(&d->meas3);
-	d->stats.other_antenna += m->other_antenna;
+	d->stats.left_out.other_antenna += m->other_antenna;
 	d->stats.scrambled += m->scrambled;
 	d->stats.no_reference += m->lost_epochs;
 	d->stats.malformed += m->malformed;
@@ -313,8 +313,8 @@ void fw_sbf_decoder_put(fw_sbf_decoder *d, const fw_sbf_block *block)
 	case MEASUREMENTS:
 		if (fw_sbf_is_scrambled(block->data, length))
 			d->stats.scrambled++;
-		d->stats.other_antenna += fw_sbf_meas_epoch(block->data, length, d->options.antennas, &d->options.wanted,
-		                                            d->sink, &d->channels);
+		fw_sbf_meas_epoch(block->data, length, d->options.antennas, &d->options.wanted, d->sink, &d->channels,
+		                  &d->stats.left_out);
 		break;
 	case EXTRA: fw_sbf_meas_extra(block->data, length, d->options.antennas, &d->channels, d->sink); break;
 	case CLOSE_PVT:

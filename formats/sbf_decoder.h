@@ -30,7 +30,7 @@ enum { FW_SBF_MERGED = 4 };
 /* For reading; complete after fw_sbf_decoder_flush(). */
 typedef struct {
 	uint64_t unknown;       /* blocks of a number whose layout furrow does not know */
-	uint64_t other_antenna; /* observations left out because of their antenna */
+	fw_sbf_left_out left_out; /* observations */
 	uint64_t scrambled;     /* measurement epochs that only Septentrio can read */
 	uint64_t no_reference;  /* Meas3 epochs whose reference epoch is missing */
 	uint64_t malformed;     /* blocks with a good CRC whose counts contradict their length */

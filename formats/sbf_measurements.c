@@ -212,23 +212,24 @@ int fw_sbf_is_scrambled(const uint8_t *block, uint16_t length)
 	return length >= HEADER && (block[17] & COMMON_SCRAMBLED) != 0;
 }
 
-unsigned fw_sbf_meas_epoch(const uint8_t *block, uint16_t length, unsigned antennas, const fw_kind_set *wanted,
-                           fw_sink sink, fw_sbf_channels *channels)
+void fw_sbf_meas_epoch(const uint8_t *block, uint16_t length, unsigned antennas, const fw_kind_set *wanted,
+                       fw_sink sink, fw_sbf_channels *channels, fw_sbf_left_out *left_out)
 {
 	if (length < HEADER)
-		return 0;
+		return;
 	const uint8_t *end = block + length, *p = block + HEADER;
-	unsigned size1 = block[15], size2 = block[16], n_signals = 0, left_out = 0;
-	int e6b = (block[17] & COMMON_E6B) != 0;
+	unsigned size1 = block[15], size2 = block[16], n_signals = 0;
+	bool e6b = (block[17] & COMMON_E6B) != 0;
 	int want_obs = fw_kind_in(wanted, FW_obs) && !fw_sbf_is_scrambled(block, length);
 	furrow_obs shared = {0}, o;
 
 	channels->tow_ms = fw_load_u32(block + 8);
 	channels->week = fw_load_u16(block + 12);
+	channels->e6b = e6b;
 	memset(channels->satellite, 0, sizeof channels->satellite);
 	int64_t time = set_time(channels->tow_ms, channels->week, &shared.gps_week, &shared.tow_s);
 	if (size1 < TYPE1)
-		return 0;
+		return;
 
 	for (unsigned i = 0; i < block[14] && end - p >= (ptrdiff_t)size1; i++) {
 		const uint8_t *sub = p;
@@ -249,11 +250,13 @@ unsigned fw_sbf_meas_epoch(const uint8_t *block, uint16_t length, unsigned anten
 				p += size2;
 			}
 			int shown = k == 0 ? type1(q, &o, &shared, e6b, &sat) : type2(q, &o, &shared, e6b, &sat);
-			if (!shown || satellite == NULL)
+			if (!shown)
 				continue;
 			n_signals++;
 			if (!(antennas >> o.antenna & 1))
-				left_out++;
+				left_out->other_antenna++;
+			else if (satellite == NULL)
+				left_out->unnamed++;
 			else if (want_obs)
 				sink.put(sink.context, FW_obs, &o);
 		}
@@ -261,17 +264,17 @@ unsigned fw_sbf_meas_epoch(const uint8_t *block, uint16_t length, unsigned anten
 	shared.present = time;
 	if (fw_kind_in(wanted, FW_epoch))
 		emit_epoch(block, &shared, n_signals, sink);
-	return left_out;
 }
 
-/* One sub-block of MeasExtra; `size` bytes, of which revision 0 had 12. */
-static int extra(const uint8_t *p, unsigned size, float doppler_factor, furrow_obs_extra *x)
+/* One sub-block of MeasExtra; `size` bytes, of which revision 0 had 12. Later revisions filled what had been padding. */
+static int extra(const uint8_t *p, unsigned size, unsigned revision, float doppler_factor, bool e6b,
+                 furrow_obs_extra *x)
 {
-	unsigned number = size >= 16 ? signal_number(p[1], p[15]) : p[1] & 31;
+	unsigned number = size >= 16 && revision >= 3 ? signal_number(p[1], p[15]) : p[1] & 31;
 	const fw_sbf_signal *signal = fw_sbf_signal_of(number);
 	if (signal == NULL || signal->rinex[0] == '\0')
 		return 0;
-	x->signal = (char *)(uintptr_t)signal->rinex;
+	x->signal = (char *)(uintptr_t)rinex_code(signal, number, e6b);
 	x->antenna = (int8_t)(p[1] >> 5);
 	x->rx_channel = p[0];
 	x->multipath_corr_m = (int16_t)fw_load_u16(p + 2) / 1000.0;
@@ -296,13 +299,18 @@ static int extra(const uint8_t *p, unsigned size, float doppler_factor, furrow_o
 		x->lock_s = lock;
 		x->present |= BIT(FW_COL_obs_extra_lock_s);
 	}
-	if (size >= 16) {
+	if (size >= 16 && revision >= 1) {
 		x->loss_count = p[12];
 		x->carrier_multipath_corr_cyc = (int8_t)p[13] / 512.0;
+		x->present |= BIT(FW_COL_obs_extra_loss_count) | BIT(FW_COL_obs_extra_carrier_multipath_corr_cyc);
+	}
+	if (size >= 16 && revision >= 2) {
 		x->info = p[14];
+		x->present |= BIT(FW_COL_obs_extra_info);
+	}
+	if (size >= 16 && revision >= 3) {
 		x->cn0_highres_dbhz = (p[15] & 7) * 0.03125;
-		x->present |= BIT(FW_COL_obs_extra_loss_count) | BIT(FW_COL_obs_extra_carrier_multipath_corr_cyc) |
-		              BIT(FW_COL_obs_extra_info) | BIT(FW_COL_obs_extra_cn0_highres_dbhz);
+		x->present |= BIT(FW_COL_obs_extra_cn0_highres_dbhz);
 	}
 	return 1;
 }
@@ -324,7 +332,7 @@ void fw_sbf_meas_extra(const uint8_t *block, uint16_t length, unsigned antennas,
 
 	for (unsigned i = 0; i < block[14] && end - p >= (ptrdiff_t)size; i++, p += size) {
 		furrow_obs_extra x = {.present = time, .gps_week = gps_week, .tow_s = tow_s};
-		if (!extra(p, size, doppler_factor, &x) || !(antennas >> x.antenna & 1))
+		if (!extra(p, size, block[5] >> 5, doppler_factor, same_epoch && channels->e6b, &x) || !(antennas >> x.antenna & 1))
 			continue;
 		if (same_epoch && channels->satellite[p[0]] != NULL) {
 			x.sat = (char *)(uintptr_t)channels->satellite[p[0]];

@@ -6,6 +6,7 @@
 #ifndef FURROW_FORMATS_SBF_MEASUREMENTS_H
 #define FURROW_FORMATS_SBF_MEASUREMENTS_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "furrow_epoch.h"
@@ -16,8 +17,15 @@
 typedef struct {
 	uint32_t tow_ms;
 	uint16_t week;
+	bool e6b; /* E6 signals are E6B */
 	const char *satellite[256];
 } fw_sbf_channels;
+
+/* Observations that were left out. */
+typedef struct {
+	uint64_t other_antenna; /* not wanted */
+	uint64_t unnamed;       /* of satellites without a name: GLONASS of unknown slot */
+} fw_sbf_left_out;
 
 /* The antennas whose observations are wanted: bit 0 main, 1 aux1, 2 aux2. */
 enum { FW_ANTENNA_MAIN = 1, FW_ANTENNA_AUX1 = 2, FW_ANTENNA_AUX2 = 4, FW_ANTENNA_ALL = 255 };
@@ -26,9 +34,9 @@ enum { FW_ANTENNA_MAIN = 1, FW_ANTENNA_AUX1 = 2, FW_ANTENNA_AUX2 = 4, FW_ANTENNA
 int fw_sbf_is_scrambled(const uint8_t *block, uint16_t length);
 
 /* Emits `epoch` and one `obs` per satellite and signal of a MeasEpoch block, each kind only if it is in `wanted`,
- * and notes the channels; of a scrambled block only the epoch. Returns the number of observations left out because of their antenna. */
-unsigned fw_sbf_meas_epoch(const uint8_t *block, uint16_t length, unsigned antennas, const fw_kind_set *wanted,
-                           fw_sink sink, fw_sbf_channels *channels);
+ * and notes the channels; of a scrambled block only the epoch. Adds to *left_out what was left out. */
+void fw_sbf_meas_epoch(const uint8_t *block, uint16_t length, unsigned antennas, const fw_kind_set *wanted,
+                       fw_sink sink, fw_sbf_channels *channels, fw_sbf_left_out *left_out);
 
 /* Emits one `obs_extra` per satellite and signal of a MeasExtra block. */
 void fw_sbf_meas_extra(const uint8_t *block, uint16_t length, unsigned antennas,

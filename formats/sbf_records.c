@@ -44,13 +44,14 @@ static int64_t do_not_use(const fw_sbf_field *field)
 }
 
 /* How a step makes its value. */
-enum { PUT_F4, PUT_F8, PUT_ROOT, PUT_INTEGER, PUT_INDEX, PUT_STRING };
+enum { PUT_F4, PUT_F8, PUT_ROOT, PUT_INTEGER, PUT_CHANNEL, PUT_INDEX, PUT_STRING };
 
 static uint8_t action_of(const fw_sbf_field *field)
 {
 	switch (field->convert) {
 	case SBF_NUMBER: return field->type == SBF_F4 ? PUT_F4 : field->type == SBF_F8 ? PUT_F8 : PUT_INTEGER;
 	case SBF_ROOT: return PUT_ROOT;
+	case SBF_CHANNEL: return PUT_CHANNEL;
 	case SBF_INDEX: return PUT_INDEX;
 	default: return PUT_STRING;
 	}
@@ -86,6 +87,7 @@ static fw_sbf_steps plan_fields(fw_sbf_plans *plans, fw_kind kind, const fw_sbf_
 		    .action = action_of(field),
 		    .type = field->type,
 		    .shift = field->shift,
+		    .since = field->since,
 		    .member = type->columns[column].offset,
 		    .column = (uint8_t)column,
 		    .column_type = (uint8_t)type->columns[column].type,
@@ -228,6 +230,12 @@ static const char *text_of(fw_sbf_plans *plans, const fw_sbf_field *field, const
 	}
 }
 
+/* Slots 1 to 30, and one not known. Source: SBF reference guide, "Satellite ID". */
+static bool is_glonass(uint8_t svid)
+{
+	return svid >= 38 && svid <= 68;
+}
+
 /* One step; `index` is the number of the sub-block, from 1. Returns whether there is a value. */
 static bool put_value(fw_sbf_plans *plans, const fw_sbf_step *step, const uint8_t *start, size_t index,
                       char *member)
@@ -239,6 +247,7 @@ static bool put_value(fw_sbf_plans *plans, const fw_sbf_step *step, const uint8_
 	case PUT_F8: x = fw_load_f64(p); return x >= LOWEST && put_real(step, x, member);
 	case PUT_ROOT: x = (double)fw_load_f32(p); return x >= 0 && put_real(step, sqrt(x), member);
 	case PUT_INTEGER: return put_integer_field(step, p, member);
+	case PUT_CHANNEL: return is_glonass(p[-1]) && put_integer_field(step, p, member);
 	case PUT_INDEX: return put_integer(step, (int64_t)index, member);
 	default: return put_string(text_of(plans, step->field, p), member);
 	}
@@ -269,7 +278,7 @@ static void put_values(fw_sbf_plans *plans, fw_sbf_steps steps, const uint8_t *s
 	for (const fw_sbf_step *step = plans->steps + steps.first, *end = step + steps.n; step < end;
 	     step++) {
 		char *member = (char *)record + step->member;
-		if (step->end <= size && put_value(plans, step, start, index, member)) {
+		if (step->end <= size && step->since <= plans->revision && put_value(plans, step, start, index, member)) {
 			present |= BIT(step->column);
 		} else {
 			present &= ~BIT(step->column);
@@ -348,6 +357,7 @@ static bool makes_rows(const fw_sbf_plans *plans, const fw_sbf_schema *schema)
 static void put_block(fw_sbf_plans *plans, const fw_sbf_schema *schema, const uint8_t *block, size_t length,
                       void *record)
 {
+	plans->revision = block[5] >> 5;
 	plans->text_used = 0;
 	put_stamp(block, record);
 	size_t fixed_end = fw_sbf_fixed_end(schema, length);
@@ -452,6 +462,7 @@ static void emit_sensors(const rows *r, const fw_kind_set *wanted)
 	size_t count = fw_sbf_group_count(group, r->block, r->length);
 	size_t size = fw_sbf_group_size(group, r->block, r->length);
 	furrow_imu imu = {0};
+	r->plans->revision = r->block[5] >> 5;
 	for (size_t i = 0; i < count; i++) {
 		const uint8_t *sub = r->block + group->start + i * size;
 		furrow_ext_sensor sensor = {0};

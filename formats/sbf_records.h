@@ -27,7 +27,7 @@ typedef struct {
 	uint8_t column;      /* index */
 	uint8_t column_type; /* fw_column_type */
 	uint8_t action;      /* what makes a value of it */
-	uint8_t type, shift; /* the field's */
+	uint8_t type, shift, since; /* the field's */
 } fw_sbf_step;
 
 /* The steps of one list of fields. */
@@ -44,6 +44,7 @@ typedef struct {
 	fw_sbf_step steps[FW_SBF_MAX_STEPS];
 	bool mounted;               /* an IMUSetup block was seen */
 	double C_vehicle_sensor[9]; /* 3 x 3, row-major: x_vehicle = C x_sensor */
+	uint8_t revision; /* of the block at hand */
 	size_t text_used;
 	char text[FW_SBF_MAX_LENGTH + 1024]; /* the strings of the record at hand */
 } fw_sbf_plans;

@@ -51,6 +51,7 @@
 #define TIMES(factor)                   .mul = (factor)
 #define PER(divisor)                    .div = (divisor)
 #define PLUS(term)                      .add = (term)
+#define SINCE(revision)                 .since = (revision)
 #define DNU                             .dnu = SBF_DNU
 #define DNU_ZERO                        .dnu = SBF_DNU_ZERO
 #define RAD_TO_DEG                      TIMES(180 / M_PI)
@@ -58,7 +59,7 @@
 #define KILO                            TIMES(1000)
 #define NEGATED                         TIMES(-1)
 #define SATELLITE(name, offset, column) U1(name, offset, TO(column), AS(SATELLITE))
-#define GLO_CHANNEL(name, offset)       U1(name, offset, TO("glonass_channel"), PLUS(-8), DNU_ZERO)
+#define GLO_CHANNEL(name, offset)       U1(name, offset, TO("glonass_channel"), PLUS(-8), DNU_ZERO, AS(CHANNEL))
 
 /* Groups: where the first sub-block starts, what counts them, how long they are. */
 #define COUNT_U1(start_, at) .start = (start_), .count = SBF_COUNT_U1, .count_offset = (at)

@@ -4,7 +4,7 @@
  * measurement blocks, whose hot loop is written out in sbf_measurements.c and tested against this table.
  *
  * Layouts: Septentrio SBF reference guides. Revisions only append, so a field is read when it lies inside the
- * block (or sub-block) and is absent otherwise; there is no list of revisions to keep. */
+ * block (or sub-block) and is absent otherwise. `since` is needed only where a new field took the place of padding. */
 #ifndef FURROW_FORMATS_SBF_SCHEMA_H
 #define FURROW_FORMATS_SBF_SCHEMA_H
 
@@ -26,6 +26,7 @@ typedef enum {
 typedef enum {
 	SBF_NUMBER,    /* raw * mul / div + add */
 	SBF_ROOT,      /* a view: square root of an f4; a negative number has none and is absent */
+	SBF_CHANNEL,   /* a number for GLONASS only, that is when the byte before it is the SVID of a GLONASS satellite */
 	SBF_SATELLITE, /* SVID -> "G05"; an SVID that means no satellite is absent */
 	SBF_SIGNAL,    /* signal number -> RINEX code; one without code is absent */
 	SBF_TEXT,      /* `count` characters, NUL or end terminated -> string; empty is absent */
@@ -46,6 +47,7 @@ typedef struct {
 	uint8_t width;    /* number of bits of a view; 0: the field itself */
 	uint8_t dnu;      /* fw_sbf_dnu; views of bits have none */
 	uint8_t convert;  /* fw_sbf_convert */
+	uint8_t since;    /* revision of the block that brought it; in older ones its place is padding */
 	int16_t add;      /* column = raw * mul / div + add */
 	double mul, div;  /* 0 stands for 1 */
 	const char *column; /* of the record; NULL: not in the record */

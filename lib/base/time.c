@@ -148,7 +148,10 @@ fw_status fw_time_add_s(fw_time t, double s, fw_time *sum)
 		return FW_ENONFINITE;
 	if (!in_range(t.ns) || !(fabs(s) <= span))
 		return FW_ERANGE;
-	return store(t.ns + llround(s * 1e9), sum);
+	int64_t ns; /* the sum of two moments may not fit, unlike their difference */
+	if (__builtin_add_overflow(t.ns, (int64_t)llround(s * 1e9), &ns))
+		return FW_ERANGE;
+	return store(ns, sum);
 }
 
 fw_status fw_time_from_gps(int week, int64_t tow_ns, fw_time *t)

@@ -9,7 +9,7 @@
 
 enum { ROWS = 4096, PER_EPOCH = 40, PASSES = 50, RUNS = 7 };
 
-static char sats[ROWS][4];
+static char sats[ROWS][16];
 static furrow_obs rows[ROWS];
 static fw_csv_writer writer;
 

@@ -16,6 +16,7 @@ closed() {
 	"$@" >&-
 }
 
+rm -f target
 printf '[sbf2csv]\ntypes = obs\n' > settings.ini
 for mode in "-t obs" "-t pvt" "-s" "-f lcm" "--list" "-s -q" "-c settings.ini"; do
 	refused "$mode > /dev/full" full "$sbf2csv" $mode "$log"

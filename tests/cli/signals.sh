@@ -4,17 +4,27 @@ set -u
 rm -rf out
 mkdir out
 
-# interrupted SIGNAL STATUS ARGUMENT...: sends SIGNAL while an endless log is read
+ulimit -f 1000000 # 1 GB: a tool that does not end must not fill the disk
+
+# caught PID: waits until the program catches SIGINT and SIGTERM
+caught() {
+	until grep -q '^SigCgt:.*4..2$' "/proc/$1/status" || ! kill -0 "$1"; do
+		sleep 0.01
+	done
+}
+
+# interrupted SIGNAL STATUS ARGUMENT...: sends SIGNAL while an endless log is read and something has been written
 interrupted() {
 	local signal=$1 wanted=$2 status=0
 	shift 2
 	"$sbf2csv" "$@" < <("$BENCH/extend_log" "$log" 0 2> endless) > printed 2> messages &
-	sleep 0.3
+	caught $!
+	sleep 0.1
+	[[ $* = *out* || $* = --list ]] || until [ -s printed ]; do sleep 0.01; done
 	kill -"$signal" $!
 	wait $! || status=$?
 	[ $status = "$wanted" ] || complain "$signal, $*: exit $status"
 }
-
 
 for signal in INT TERM; do
 	status=$((128 + $(kill -l $signal)))
@@ -46,14 +56,16 @@ for signal in INT TERM; do
 	for arguments in "-s pipe" "-s -o pipe $log"; do
 		status_now=0
 		"$sbf2csv" $arguments > printed 2> messages &
-		sleep 0.1
+		caught $!
+		sleep 0.05
 		kill -$signal $!
 		wait $! || status_now=$?
 		[ $status_now = $status ] || complain "$signal, $arguments: exit $status_now"
 	done
 	status_now=0
 	"$sbf2csv" -s < <(cat "$log"; sleep 1) > printed 2> messages &
-	sleep 0.2
+	caught $!
+	sleep 0.1
 	kill -$signal $!
 	wait $! || status_now=$?
 	[ $status_now = $status ] || complain "$signal, log that pauses: exit $status_now"

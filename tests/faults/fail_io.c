@@ -44,7 +44,8 @@ static int fails(const char *call)
 	static int storm;
 	const char *wanted = getenv("IO_CALL");
 
-	if (getenv("IO_STORM") != NULL && strstr("open read write fsync", call) != NULL && (storm ^= 1) != 0) {
+	if (getenv("IO_STORM") != NULL && strstr("open read write fsync", call) != NULL &&
+	    (storm ^= 1) != 0) {
 		errno = EINTR;
 		return 1;
 	}

@@ -16,7 +16,7 @@ enum { FUZZ_ROOM = 8192 }; /* longest input that is made or mutated */
 /* Takes one input to pieces. Fails by a sanitizer or by require(). Returns 0. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* Changes an input; every other time it then puts lengths and checksums right, so that the change gets past them.
+/* Changes an input; when the seed is odd it then puts lengths and checksums right, so that the change gets past them.
  * Returns the new size. */
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max, unsigned seed);
 
@@ -30,7 +30,7 @@ size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t max);
 #define require(condition)                                                                                   \
 	do {                                                                                                 \
 		if (!(condition)) {                                                                          \
-			fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition);              \
+			dprintf(2, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition);                   \
 			abort();                                                                             \
 		}                                                                                            \
 	} while (0)

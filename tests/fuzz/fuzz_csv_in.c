@@ -12,10 +12,37 @@ static char first_text[TEXT_MOST], second_text[TEXT_MOST];
 static fw_csv_writer writer;
 
 static const char *const words[] = {
-    "#furrow-stream 1\n", "#end status=complete rows=1 skipped=0\n", "#pvt,gps_week,tow_s\n", "pvt,2360,1\n",
-    "obs,", "imu,", "#", "#pg tool=x\n", "gps_week", "tow_s", "lat_deg", "height_m", "\"\"", "\"", "\",\"", "\r\n",
-    "\n\n", ",,,,,,,,", "\xef\xbb\xbf", "nan", "inf", "-0", "1e308", "1e-400", "0x10", "9223372036854775808",
-    "999999999999999999999999", "0.00000000000000000000000000000000000001", "2360,604800", "65536", "\xff\xfe",
+    "#furrow-stream 1\n",
+    "#end status=complete rows=1 skipped=0\n",
+    "#pvt,gps_week,tow_s\n",
+    "pvt,2360,1\n",
+    "obs,",
+    "imu,",
+    "#",
+    "#pg tool=x\n",
+    "gps_week",
+    "tow_s",
+    "lat_deg",
+    "height_m",
+    "\"\"",
+    "\"",
+    "\",\"",
+    "\r\n",
+    "\n\n",
+    ",,,,,,,,",
+    "\xef\xbb\xbf",
+    "nan",
+    "inf",
+    "-0",
+    "1e308",
+    "1e-400",
+    "0x10",
+    "9223372036854775808",
+    "999999999999999999999999",
+    "0.00000000000000000000000000000000000001",
+    "2360,604800",
+    "65536",
+    "\xff\xfe",
 };
 
 /* A table of one type, or a stream of several. */
@@ -46,7 +73,8 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max, unsigned 
 	size_t head = 0;
 	for (int lines = 0; (seed & 1) && head < size && lines < 2; head++)
 		lines += data[head] == '\n';
-	return head + text_mutate(data + head, size - head, max - head, seed, words, sizeof words / sizeof *words);
+	return head +
+	       text_mutate(data + head, size - head, max - head, seed, words, sizeof words / sizeof *words);
 }
 
 /* Reads all of an input and writes it as a stream; the number of rows. */

@@ -116,7 +116,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 		require(status == FW_EOF && used == size && memcmp(out, data, size) == 0);
 
 	fw_input_open_memory(&in, data, size);
-	const fw_status status_again = read_pieces(&in, used < PIECES_MOST ? OUT_MOST : PIECES_MOST, &used_again);
+	const fw_status status_again =
+	    read_pieces(&in, used < PIECES_MOST ? OUT_MOST : PIECES_MOST, &used_again);
 	require(used >= PIECES_MOST || (status_again == status && used_again == used));
 	fw_input_close(&in);
 	return 0;

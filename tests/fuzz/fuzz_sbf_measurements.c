@@ -44,11 +44,13 @@ static void take(void *context, fw_kind kind, const void *record)
 
 static void decode_epoch(const uint8_t *block, uint16_t length)
 {
+	fw_sbf_left_out left_out = {0};
 	fw_kind_set wanted = {{0}};
 	fw_kind_add(&wanted, FW_epoch);
 	fw_kind_add(&wanted, FW_obs);
 	n_epochs = n_obs = 0;
-	fw_sbf_meas_epoch(block, length, FW_ANTENNA_ALL, &wanted, (fw_sink){take, NULL}, &channels);
+	fw_sbf_meas_epoch(block, length, FW_ANTENNA_ALL, &wanted, (fw_sink){take, NULL}, &channels,
+	                  &left_out);
 	require(n_epochs <= 1);
 }
 
@@ -74,7 +76,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 			continue;
 		}
 		if (id == MEAS_EXTRA) {
-			fw_sbf_meas_extra(data + at, length, FW_ANTENNA_ALL, &channels, (fw_sink){record_check, NULL});
+			fw_sbf_meas_extra(data + at, length, FW_ANTENNA_ALL, &channels,
+			                  (fw_sink){record_check, NULL});
 		} else if (id == MEAS_EPOCH) {
 			decode_epoch(data + at, length);
 			encode_again();

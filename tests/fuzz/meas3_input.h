@@ -87,14 +87,16 @@ static inline uint8_t *meas3_close(uint8_t *block, const uint8_t *end, unsigned 
 static inline size_t meas3_make(fw_random *r, uint32_t *tow_ms, uint8_t *blocks)
 {
 	static uint8_t delta[SBF_BLOCK_ROOM];
-	const unsigned systems = 1U << fw_random_below(r, MEAS3_SYSTEMS) | 1U << fw_random_below(r, MEAS3_SYSTEMS);
+	const unsigned systems =
+	    1U << fw_random_below(r, MEAS3_SYSTEMS) | 1U << fw_random_below(r, MEAS3_SYSTEMS);
 	const uint32_t reference_ms = *tow_ms / 1000 * 1000, delta_ms = reference_ms + 300;
 	meas3_writer w = {r, blocks + 20, delta + 20, (unsigned)fw_random_below(r, 2)};
 
 	blocks[14] = (uint8_t)fw_random_u64(r) & 127; /* not scrambled */
 	blocks[15] = (uint8_t)fw_random_u64(r);
 	fw_store_u16(blocks + 16, (uint16_t)systems);
-	blocks[18] = (uint8_t)(fw_random_below(r, 3) | w.has_rate << 3 | 2 << 4); /* a reference every second */
+	blocks[18] =
+	    (uint8_t)(fw_random_below(r, 3) | w.has_rate << 3 | 2 << 4); /* a reference every second */
 	blocks[19] = 7;
 	memcpy(delta + 14, blocks + 14, 6);
 	for (unsigned system = 0; system < MEAS3_SYSTEMS; system++)

@@ -14,7 +14,14 @@
 
 #include "sbf_input.h"
 
-enum { NAV_GPS = 4017, NAV_SBAS = 4020, NAV_FNAV = 4022, NAV_INAV = 4023, NAV_GLONASS = 4026, NAV_BEIDOU = 4047 };
+enum {
+	NAV_GPS = 4017,
+	NAV_SBAS = 4020,
+	NAV_FNAV = 4022,
+	NAV_INAV = 4023,
+	NAV_GLONASS = 4026,
+	NAV_BEIDOU = 4047
+};
 
 static inline icd_page nav_random_page(fw_random *r)
 {
@@ -30,7 +37,8 @@ static inline icd_page nav_random_page(fw_random *r)
 
 /* ---- one page: `which` of its system ---- */
 
-static inline nav_block nav_gps_page(icd_page *page, uint8_t svid, double tow_s, unsigned which, unsigned issue)
+static inline nav_block nav_gps_page(icd_page *page, uint8_t svid, double tow_s, unsigned which,
+                                     unsigned issue)
 {
 	write_bits(page, 1, 8, 0x8b);
 	write_bits(page, 50, 3, which);
@@ -40,8 +48,8 @@ static inline nav_block nav_gps_page(icd_page *page, uint8_t svid, double tow_s,
 	return gps_block(NAV_GPS, svid, tow_s, page);
 }
 
-static inline nav_block nav_galileo_page(icd_page *page, uint8_t svid, double tow_s, unsigned which, unsigned issue,
-                                         int fnav)
+static inline nav_block nav_galileo_page(icd_page *page, uint8_t svid, double tow_s, unsigned which,
+                                         unsigned issue, int fnav)
 {
 	write_bits(page, 1, 6, which);
 	if (which <= 4)
@@ -85,8 +93,8 @@ static const struct nav_set {
     {NAV_BEIDOU, 141, 5, 11, 1, 3, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}},
 };
 
-static inline nav_block nav_page(fw_random *r, const struct nav_set *set, uint8_t svid, double tow_s, unsigned which,
-                                 unsigned issue)
+static inline nav_block nav_page(fw_random *r, const struct nav_set *set, uint8_t svid, double tow_s,
+                                 unsigned which, unsigned issue)
 {
 	icd_page page = nav_random_page(r);
 	switch (set->number) {
@@ -111,7 +119,7 @@ static inline size_t nav_make_pages(fw_random *r, uint32_t *tow_ms, uint8_t *blo
 	const struct nav_set *set = &nav_sets[fw_random_below(r, sizeof nav_sets / sizeof *nav_sets)];
 	const uint8_t svid = (uint8_t)(set->first_svid + fw_random_below(r, set->n_svids));
 	const unsigned issue = (unsigned)fw_random_below(r, 256);
-	double tow_s = *tow_ms / 30000 * 30.0;
+	double tow_s = *tow_ms % 604800000 / 30000 * 30;
 	size_t size = 0;
 	for (unsigned i = 0; i < set->n_pages; i++) {
 		tow_s += set->step_s;

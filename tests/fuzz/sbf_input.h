@@ -42,7 +42,8 @@ static inline void sbf_limit_count(fw_random *r, const fw_sbf_group *group, uint
 		parent[group->count_offset + 1] = 0;
 }
 
-static inline size_t sbf_make_group(fw_random *r, const fw_sbf_group *group, uint8_t *block, uint8_t *parent, size_t at)
+static inline size_t sbf_make_group(fw_random *r, const fw_sbf_group *group, uint8_t *block, uint8_t *parent,
+                                    size_t at)
 {
 	const size_t n = fw_sbf_group_count(group, parent, SBF_BLOCK_ROOM);
 	for (size_t i = 0; i < n && at + group->size < SBF_BLOCK_ROOM / 2; i++) {
@@ -58,7 +59,8 @@ static inline size_t sbf_make_group(fw_random *r, const fw_sbf_group *group, uin
 }
 
 /* A block of a schema, with random content. Returns its length. */
-static inline size_t sbf_make_by_table(fw_random *r, const fw_sbf_schema *schema, uint32_t tow_ms, uint8_t *block)
+static inline size_t sbf_make_by_table(fw_random *r, const fw_sbf_schema *schema, uint32_t tow_ms,
+                                       uint8_t *block)
 {
 	size_t end = schema->size;
 	sbf_fill(r, block + FW_SBF_BODY, end - FW_SBF_BODY);
@@ -81,7 +83,8 @@ static inline size_t sbf_make_by_table(fw_random *r, const fw_sbf_schema *schema
 /* A block of any schema. */
 static inline size_t sbf_make_any(fw_random *r, uint32_t tow_ms, uint8_t *block)
 {
-	return sbf_make_by_table(r, &fw_sbf_schemas[fw_random_below(r, (uint64_t)fw_sbf_n_schemas)], tow_ms, block);
+	return sbf_make_by_table(r, &fw_sbf_schemas[fw_random_below(r, (uint64_t)fw_sbf_n_schemas)], tow_ms,
+	                         block);
 }
 
 /* Blocks that belong together, at most SBF_BLOCK_ROOM bytes; returns their size. */
@@ -150,7 +153,8 @@ static inline void sbf_repair(uint8_t *data, size_t size)
 static inline void sbf_spoil_number(fw_random *r, uint8_t *p, size_t width)
 {
 	const uint16_t old = width == 2 ? fw_load_u16(p) : p[0];
-	const uint16_t choices[] = {0, 1, UINT16_MAX, (uint16_t)(old + 1), (uint16_t)(old - 1), (uint16_t)fw_random_u64(r)};
+	const uint16_t choices[] = {
+	    0, 1, UINT16_MAX, (uint16_t)(old + 1), (uint16_t)(old - 1), (uint16_t)fw_random_u64(r)};
 	const uint16_t value = choices[fw_random_below(r, sizeof choices / sizeof *choices)];
 	p[0] = (uint8_t)value;
 	if (width == 2)
@@ -171,7 +175,8 @@ static inline void sbf_spoil_count(fw_random *r, uint8_t *data, size_t size)
 		width = group->count == SBF_COUNT_U1 || group->count == SBF_COUNT_BITS ? 1 : 2;
 		offset = group->count_offset;
 		if (fw_random_below(r, 2) == 0) {
-			const fw_sbf_group *inner = group->nested != NULL && fw_random_below(r, 2) == 0 ? group->nested : group;
+			const fw_sbf_group *inner =
+			    group->nested != NULL && fw_random_below(r, 2) == 0 ? group->nested : group;
 			offset = inner->size_offset > 0 ? inner->size_offset : offset;
 			width = 1;
 		} else if (group->nested != NULL && fw_random_below(r, 2) == 0) {

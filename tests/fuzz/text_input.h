@@ -50,8 +50,8 @@ static inline size_t text_spoil_order(fw_random *r, uint8_t *data, size_t size, 
 }
 
 /* What LLVMFuzzerCustomMutator() does with text of n words. */
-static inline size_t text_mutate(uint8_t *data, size_t size, size_t max, unsigned seed, const char *const *words,
-                                 size_t n)
+static inline size_t text_mutate(uint8_t *data, size_t size, size_t max, unsigned seed,
+                                 const char *const *words, size_t n)
 {
 	fw_random r;
 	fw_random_init(&r, seed);

@@ -155,7 +155,6 @@ def draw_fields(rng, fields, buffer, revision=0):
             field.put(buffer, raws[place])
         values[field.column] = field.value(raws[place]) if revision >= field.revision else None
     if (values.get("sat") or "R")[0] != "R" and "glonass_channel" in values:
-        next(f for f in fields if f.column == "glonass_channel").put(buffer, 0)
         values["glonass_channel"] = None
     return values
 

@@ -1,8 +1,6 @@
 """The fields of SBF blocks by offset, for test_schema.py: from the SBF reference guides, independently of furrow's own
 tables. What the lines mean is said in sbf_random.py."""
 
-# NrBases, PPPInfo, CmdCount, Temperature and IonoModel are in what revision 0 has as padding: they stand here as fields of
-# all revisions, since furrow reads whatever lies inside a block.
 PVT = """
 14 u1 mode bits0-3
 14 u1 auto_base bit6
@@ -20,8 +18,8 @@ PVT = """
 78 u2 corr_age_s 0.01
 80 u4 signals any
 84 u1 alert any
-85 u1 n_bases any
-86 u2 ppp_info any
+85 u1 n_bases any r1
+86 u2 ppp_info any r1
 88 u2 latency_s 0.0001 r2
 90 u2 h_accuracy_m 0.01 r2
 92 u2 v_accuracy_m 0.01 r2
@@ -205,7 +203,7 @@ sub 14 15 16 48
 28 f4 vx_mps
 32 f4 vy_mps
 36 f4 vz_mps
-46 u1 iono_model
+46 u1 iono_model r1
 
 record raim, block 4011
 14 u1 integrity max=2
@@ -236,8 +234,8 @@ record status, block 4014 32 32
 16 u4 uptime_s any
 20 u4 rx_state any
 24 u4 rx_error any
-30 u1 command_count any
-31 u1 temperature_degc celsius dnu=0
+30 u1 command_count any r1
+31 u1 temperature_degc celsius dnu=0 r1
 sub 28 29 32 4
 0 u1 front_end bits0-4
 0 u1 antenna bits5-7

@@ -197,7 +197,7 @@ def frequency(sat, signal, channel):
 
 def equal(letter, mine, theirs):
     if letter == "S":
-        return round(float(mine) * 4) % 256 == round(float(theirs) * 1000)
+        return decimal.Decimal(mine) * 4 % 256 == decimal.Decimal(theirs) * 1000
     if letter != "D":
         return decimal.Decimal(mine).quantize(decimal.Decimal("0.001")) == decimal.Decimal(theirs)
     ends = [numpy.float32(float(mine) + half) for half in (-0.00005, 0.00005)]

@@ -455,8 +455,11 @@ def random_extra(rng, keys, revision):
                "carrier_var_cyc2": None if carrier == 65535 else carrier * 1e-6,
                "doppler_var_hz2": None if carrier == 65535 else carrier * 1e-6 * factor,
                "lock_s": None if lock == 65535 else lock}  # fmt: skip
-        if revision >= 1:  # info and cn0_highres are newer, but furrow reads what lies inside a sub-block
-            row |= {"loss_count": losses, "carrier_multipath_corr_cyc": phase / 512, "info": info}
+        if revision >= 1:
+            row |= {"loss_count": losses, "carrier_multipath_corr_cyc": phase / 512}
+        if revision >= 2:
+            row["info"] = info
+        if revision >= 3:
             row["cn0_highres_dbhz"] = fine * 0.03125
         rows.append((row, signal))
     return body, rows

@@ -664,7 +664,7 @@ static int udrei(int mask_no)
 
 static void put_mask(uint8_t *message)
 {
-	char name[5];
+	char name[16];
 	for (int i = 1; i <= MASKED; i++) {
 		if (i <= GPS_IN_MASK)
 			snprintf(name, sizeof name, "G%02d", i);

@@ -322,6 +322,49 @@ static void stopped(void **state)
 	fw_input_close(&in);
 }
 
+/* A pipe that a live source fills only when its reader has nothing left to do. */
+typedef struct {
+	int fd, calls;
+} live_source;
+
+static void send_more(void *context)
+{
+	live_source *source = context;
+
+	source->calls++;
+	assert_int_equal(write(source->fd, text, 100), 100);
+}
+
+static void idle_before_waiting(void **state)
+{
+	int ends[2], stdin_kept = dup(STDIN_FILENO);
+	live_source source = {0};
+	size_t got;
+
+	(void)state;
+	assert_int_equal(pipe(ends), 0);
+	dup2(ends[0], STDIN_FILENO);
+	source.fd = ends[1];
+	assert_int_equal(write(ends[1], text, 150), 150);
+	assert_int_equal(fw_input_open(&in, "-"), FW_OK);
+	in.idle = send_more;
+	in.idle_context = &source;
+	for (int i = 0; i < 15; i++)
+		assert_int_equal(fw_input_read(&in, back, 10, &got), FW_OK);
+	assert_int_equal(source.calls, 0);
+	assert_int_equal(fw_input_read(&in, back, 10, &got), FW_OK);
+	assert_int_equal(source.calls, 1);
+	for (int i = 0; i < 9; i++)
+		assert_int_equal(fw_input_read(&in, back, 10, &got), FW_OK);
+	close(ends[1]);
+	assert_int_equal(fw_input_read(&in, back, 10, &got), FW_EOF); /* not a wait either */
+	assert_int_equal(source.calls, 1);
+	fw_input_close(&in);
+	dup2(stdin_kept, STDIN_FILENO);
+	close(stdin_kept);
+	close(ends[0]);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -338,6 +381,7 @@ int main(void)
 	    cmocka_unit_test(a_file_on_disk),
 	    cmocka_unit_test(stdin_with_interruptions),
 	    cmocka_unit_test(stopped),
+	    cmocka_unit_test(idle_before_waiting),
 	};
 
 	return cmocka_run_group_tests_name("input", tests, make_text, NULL);

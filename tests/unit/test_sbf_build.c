@@ -35,7 +35,7 @@ static fw_status build(uint16_t id, const record_list *list, uint16_t *length)
 	const void *records[LIST_MOST];
 	for (size_t i = 0; i < list->n; i++)
 		records[i] = &list->at[i].record;
-	return fw_sbf_build(&plans, id, 0, records, list->n, built, length);
+	return fw_sbf_build(&plans, id, fw_sbf_schema_find(id)->revision, records, list->n, built, length);
 }
 
 /* A column of the same value. What was absent may come back as 0 where the format has no do-not-use value. Angles go
@@ -57,6 +57,13 @@ static void compare_column(const char *name, const fw_record_type *type, const v
 		fail_msg("%s.%s: %.17g, then %.17g", name, column->name, x, y);
 }
 
+/* A satellite that is not GLONASS has no channel, so one from random bytes does not come back. */
+static bool is_stray_channel(const fw_record_type *type, const void *record, int i)
+{
+	int sat = fw_record_column(type, "sat", 3);
+	return strcmp(type->columns[i].name, "glonass_channel") == 0 && column_text(type, record, sat)[0] != 'R';
+}
+
 static void compare_lists(const char *name)
 {
 	assert_int_equal(second.n, first.n);
@@ -64,7 +71,8 @@ static void compare_lists(const char *name)
 		const fw_record_type *type = fw_record_type_of(first.at[i].kind);
 		assert_int_equal(second.at[i].kind, first.at[i].kind);
 		for (int column = 0; column < type->n_columns; column++)
-			compare_column(name, type, &first.at[i].record, &second.at[i].record, column);
+			if (!is_stray_channel(type, &first.at[i].record, column))
+				compare_column(name, type, &first.at[i].record, &second.at[i].record, column);
 	}
 }
 
@@ -254,7 +262,7 @@ static void events_keep_their_stamp(void **state)
 		memset(block, 0, 32);
 		fw_store_u32(block + 16, bits);
 		fw_store_u64(block + 20, wide);
-		fw_sbf_seal(block, 5924, 0, 32, cases[i].tow_ms, 2367);
+		fw_sbf_seal(block, 5924, 1, 32, cases[i].tow_ms, 2367);
 		assert_true(round_trip(block));
 		assert_memory_equal(built, block, 32);
 	}

@@ -40,13 +40,16 @@ static void collect(void *context, fw_kind kind, const void *record)
 
 static const fw_sink sink = {collect, NULL};
 
+/* Returns the number of observations left out because of their antenna. */
 static unsigned decode(const uint8_t *block, uint16_t length, unsigned antennas, fw_sbf_channels *channels)
 {
+	fw_sbf_left_out left_out = {0};
 	fw_kind_set wanted = {{0}};
 	fw_kind_add(&wanted, FW_obs);
 	fw_kind_add(&wanted, FW_epoch);
 	n_obs = n_epochs = 0;
-	return fw_sbf_meas_epoch(block, length, antennas, &wanted, sink, channels);
+	fw_sbf_meas_epoch(block, length, antennas, &wanted, sink, channels, &left_out);
+	return (unsigned)left_out.other_antenna;
 }
 
 static size_t from_hex(const char *hex, uint8_t *out)
@@ -197,6 +200,7 @@ static void test_extra(void **state)
 	fw_sbf_channels channels = {.tow_ms = 482321000, .week = 2367};
 	channels.satellite[7] = "G17";
 	memset(block, 0, sizeof block);
+	fw_store_u16(block + 4, 4000 | 3 << 13);
 	fw_store_u32(block + 8, 482321000);
 	fw_store_u16(block + 12, 2367);
 	block[14] = 1;
@@ -226,6 +230,14 @@ static void test_extra(void **state)
 	assert_int_equal(extras[0].loss_count, 9);
 	assert_true(near(extras[0].carrier_multipath_corr_cyc, -0.125, 0));
 	assert_true(near(extras[0].cn0_highres_dbhz, 0.09375, 0));
+
+	/* Revision 1 had padding where revision 3 has the C/N0. */
+	fw_store_u16(block + 4, 4000 | 1 << 13);
+	n_extras = 0;
+	fw_sbf_meas_extra(block, 36, FW_ANTENNA_MAIN, &channels, sink);
+	assert_int_equal(extras[0].present >> FW_COL_obs_extra_loss_count & 1, 1);
+	assert_int_equal(extras[0].present >> FW_COL_obs_extra_info & 1, 0);
+	assert_int_equal(extras[0].present >> FW_COL_obs_extra_cn0_highres_dbhz & 1, 0);
 
 	channels.tow_ms++;
 	n_extras = 0;

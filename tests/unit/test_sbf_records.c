@@ -47,7 +47,7 @@ static void emit_hex(const char *hex)
 /* Seals `block`, whose body is written, and emits its records. */
 static void emit_block(uint16_t id, uint16_t length)
 {
-	fw_sbf_seal(block, id, 0, length, 100500, 2367);
+	fw_sbf_seal(block, id, fw_sbf_schema_find(id)->revision, length, 100500, 2367);
 	assert_int_equal(emit(block), FW_OK);
 }
 
@@ -326,7 +326,10 @@ static void short_blocks(void **state)
 	bytes_from_hex(PVT, block);
 	fw_sbf_seal(block, 4007, 0, 88, 1000, 2000);
 	assert_int_equal(emit(block), FW_OK);
-	EXPECT(FW_pvt, {"ppp_info", 0}, {"latency_s", ABSENT}, {"misc", ABSENT});
+	EXPECT(FW_pvt, {"ppp_info", ABSENT}, {"n_bases", ABSENT}, {"latency_s", ABSENT}, {"misc", ABSENT});
+	fw_sbf_seal(block, 4007, 1, 88, 1000, 2000); /* as long, but what was padding means something */
+	assert_int_equal(emit(block), FW_OK);
+	EXPECT(FW_pvt, {"ppp_info", 0}, {"n_bases", 1}, {"latency_s", ABSENT}, {"misc", ABSENT});
 	fw_sbf_seal(block, 4007, 0, 16, 1000, 2000);
 	assert_int_equal(emit(block), FW_OK);
 	EXPECT(FW_pvt, {"tow_s", 1}, {"mode", 6}, {"error", 0}, {"lat_deg", ABSENT});

@@ -136,6 +136,7 @@ static void check_type(const fw_sbf_schema *schema, const fw_sbf_field *f, const
 	bool is_float = column->type == FW_F32 || column->type == FW_F64;
 	bool is_string = column->type == FW_STR;
 	switch (f->convert) {
+	case SBF_CHANNEL: ASSERT(f->type == SBF_U1 && f->offset > 0, schema, f->name); break;
 	case SBF_NUMBER:
 		ASSERT(!is_string, schema, f->name);
 		ASSERT(f->count == 1 || f->width > 0, schema, f->name);
