@@ -224,6 +224,8 @@ static fw_status read_content(job *j, const char *path)
 	fw_status status = fw_input_peek(&now.input, 2, &head, &n);
 	if (status == FW_OK && memcmp(head, "$@", n < 2 ? n : 2) != 0)
 		status = fw_input_peek(&now.input, 512, &head, &n);
+	if (status == FW_EOF)
+		tool_note(j->t, "%s: empty", j->name);
 	if (status != FW_OK)
 		return status;
 	start_progress(j, path);

@@ -154,8 +154,10 @@ def draw_fields(rng, fields, buffer, revision=0):
             raws[place] = (choosy + [field])[0].draw(rng)  # suits all the columns that are made of it
             field.put(buffer, raws[place])
         values[field.column] = field.value(raws[place]) if revision >= field.revision else None
-    if (values.get("sat") or "R")[0] != "R" and "glonass_channel" in values:
-        values["glonass_channel"] = None
+    if "glonass_channel" in values:
+        satellite = next(f for f in fields if f.column == "sat")
+        if not 38 <= raws[satellite.offset, satellite.type] <= 68:  # the SVIDs of GLONASS
+            values["glonass_channel"] = None
     return values
 
 

@@ -478,7 +478,7 @@ def compare(name, log, wrong):
             if count == "N" and m.i is None and column in SUB_BLOCK_ONLY:
                 continue
             column_type = COLUMN_TYPES[kind][column]
-            if column in NEW_IN_REVISION_1 and name == "ReceiverStatus" and log[5] >> 5 == 0:
+            if column in NEW_IN_REVISION_1 and name == "ReceiverStatus" and m.message.serialize()[5] >> 5 == 0:
                 continue
             value = None if not_available(m, function) else expected(function(m), column_type)
             values += 1
