@@ -251,18 +251,20 @@ static void stamp_of(const fw_sbf_schema *schema, const void *record, uint32_t *
 {
 	fw_record_head head = head_of(record);
 	const furrow_event *event = record;
+	int64_t gps_week = head.gps_week;
 	if (schema->id == EXT_EVENT && event->present & BIT(FW_COL_event_rx_tow_s)) {
 		/* How many ends of weeks lie between stamp and event: -1, 0 or 1. */
 		double weeks =
 		    round((event->rx_tow_s + event->offset_s - event->clock_bias_s - event->tow_s) /
 		          SECONDS_PER_WEEK);
-		head.gps_week -= (weeks > 0) - (weeks < 0);
+		gps_week -= (weeks > 0) - (weeks < 0);
 		head.tow_s = event->rx_tow_s;
 		head.present |= BIT(1);
 	}
 	bool in_range = head.tow_s >= 0 && head.tow_s < SECONDS_PER_WEEK;
 	*tow_ms = head.present & BIT(1) && in_range ? (uint32_t)llround(head.tow_s * 1000) : UINT32_MAX;
-	*week = head.present & BIT(0) ? (uint16_t)head.gps_week : UINT16_MAX;
+	in_range = gps_week >= 0 && gps_week < UINT16_MAX;
+	*week = head.present & BIT(0) && in_range ? (uint16_t)gps_week : UINT16_MAX;
 }
 
 static bool table_suffices(const fw_sbf_schema *schema)

@@ -1,9 +1,7 @@
 /* LCM logs. What was read, written and read again, is the same log; and as a stream it has as many rows. */
-#include <string.h>
+#include "lcm_input.h"
 
-#include "../random_record.h"
 #include "formats/csv.h"
-#include "formats/lcm_log.h"
 
 #include "record_check.h"
 
@@ -17,67 +15,12 @@ static fw_input in;
 
 size_t fuzz_make(fw_random *random, uint8_t *data)
 {
-	memory m = {(char *)data, FUZZ_ROOM, 0};
-
-	fw_lcm_begin(&writer, to_memory, &m);
-	for (size_t n = (size_t)fw_random_below(random, 3); n > 0; n--)
-		fw_lcm_meta(&writer, random_string(random), "tool=x");
-	for (size_t n = 1 + (size_t)fw_random_below(random, 10); n > 0; n--) {
-		const fw_kind kind = (fw_kind)fw_random_below(random, FW_meta);
-		random_record(random, kind, &record);
-		fw_lcm_put(&writer, kind, &record);
-	}
-	(void)!fw_lcm_end(&writer, true, 0);
-	return m.used;
-}
-
-static uint32_t load_big(const uint8_t *p)
-{
-	return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
-}
-
-static void store_big(uint8_t *p, size_t v)
-{
-	for (int i = 0; i < 4; i++)
-		p[i] = (uint8_t)(v >> (24 - 8 * i));
-}
-
-static size_t find_event(const uint8_t *data, size_t size, size_t at)
-{
-	static const uint8_t sync[] = {0xed, 0xa1, 0xda, 0x01};
-	const uint8_t *p = at < size ? memmem(data + at, size - at, sync, sizeof sync) : NULL;
-	return p != NULL ? (size_t)(p - data) : size;
-}
-
-/* Lengths that lead from each event to the next. */
-static void repair(uint8_t *data, size_t size)
-{
-	for (size_t at = find_event(data, size, 0); at < size;) {
-		const size_t next = find_event(data, size, at + 4), n = next - at;
-		if (n >= FW_LCM_HEADER) {
-			size_t name = load_big(data + at + 20);
-			if (name > n - FW_LCM_HEADER)
-				name = n - FW_LCM_HEADER;
-			store_big(data + at + 20, name);
-			store_big(data + at + 24, n - FW_LCM_HEADER - name);
-		}
-		at = next;
-	}
+	return lcm_make(random, data, FUZZ_ROOM);
 }
 
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max, unsigned seed)
 {
-	fw_random r;
-	fw_random_init(&r, seed);
-	const size_t at = find_event(data, size, (size_t)fw_random_below(&r, size + 1));
-	if (fw_random_below(&r, 4) == 0 && size - at >= FW_LCM_HEADER) /* one of the two lengths */
-		data[at + 20 + fw_random_below(&r, 8)] =
-		    (uint8_t)(fw_random_below(&r, 2) ? fw_random_u64(&r) : 0xff);
-	else
-		size = LLVMFuzzerMutate(data, size, max);
-	if (seed & 1)
-		repair(data, size);
-	return size;
+	return lcm_mutate(data, size, max, seed);
 }
 
 /* The stream that was written has this many rows, and no line that means anything else. */

@@ -24,9 +24,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	fw_nav_init(&nav);
 	for (size_t at = 0; (at = sbf_find(data, size, at)) + FW_SBF_HEADER <= size;) {
 		const size_t length = fw_load_u16(data + at + 6);
-		const int whole = length >= FW_SBF_HEADER && length <= size - at;
+		const int whole =
+		    length >= FW_SBF_HEADER && length <= FW_SBF_MAX_LENGTH && length <= size - at;
 		if (whole)
-			(void)!fw_nav_block(&nav, data + at, length, &sink);
+			(void)!fw_nav_block(&nav, sbf_alone(data + at, length), length, &sink);
 		at += whole ? length : 2;
 	}
 	return 0;

@@ -1,6 +1,6 @@
 /* The whole of sbf2csv, from argv to exit status, in this process. The first byte of an input says how it is called;
  * the rest is the log, the stream or whatever else it reads. */
-#include "../random_record.h"
+#include "lcm_input.h"
 #include "log_input.h"
 #include "tool_input.h"
 
@@ -42,32 +42,34 @@ static void remove_folder(void)
 	rmdir(folder);
 }
 
-/* A stream, now and then, since that is read too. */
-static size_t make_stream(fw_random *r, uint8_t *data)
+/* Now and then what other tools of furrow write, since that is read too. */
+size_t fuzz_make(fw_random *random, uint8_t *data)
 {
 	static fw_csv_writer writer;
-	memory m = {(char *)data, FUZZ_ROOM - 1, 0};
+	memory m = {(char *)data + 1, FUZZ_ROOM - 1, 0};
+	const unsigned which = (unsigned)fw_random_below(random, 8);
+
+	if (which > 1)
+		return log_make(random, data);
+	data[0] = (uint8_t)fw_random_u64(random);
+	if (which == 1)
+		return 1 + lcm_make(random, data + 1, FUZZ_ROOM - 1);
 	fw_csv_begin_stream(&writer, to_memory, &m);
 	for (int n = 0; n < 5; n++) {
-		const fw_kind kind = (fw_kind)fw_random_below(r, FW_meta);
+		const fw_kind kind = (fw_kind)fw_random_below(random, FW_meta);
 		fw_any_record record;
-		random_record(r, kind, &record);
+		random_record(random, kind, &record);
 		fw_csv_put(&writer, kind, &record);
 	}
 	(void)!fw_csv_end(&writer, true, 0);
-	return m.used;
-}
-
-size_t fuzz_make(fw_random *random, uint8_t *data)
-{
-	if (fw_random_below(random, 8) > 0)
-		return log_make(random, data);
-	data[0] = (uint8_t)fw_random_u64(random);
-	return 1 + make_stream(random, data + 1);
+	return 1 + m.used;
 }
 
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max, unsigned seed)
 {
+	static const uint8_t lcm_sync[] = {0xed, 0xa1, 0xda, 0x01};
+	if (size > sizeof lcm_sync && memcmp(data + 1, lcm_sync, sizeof lcm_sync) == 0)
+		return 1 + lcm_mutate(data + 1, size - 1, max - 1, seed);
 	return log_mutate(data, size, max, seed);
 }
 

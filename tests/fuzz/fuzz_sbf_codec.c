@@ -23,11 +23,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
 	for (size_t at = 0; (at = sbf_find(data, size, at)) + FW_SBF_HEADER <= size; at += 2) {
 		const size_t length = fw_load_u16(data + at + 6);
-		if (length > size - at || fw_sbf_decode(data + at, &values) != FW_OK)
+		if (length < FW_SBF_HEADER || length > FW_SBF_MAX_LENGTH || length > size - at)
 			continue;
-		memset(again, 0xa5, length);
-		require(fw_sbf_encode(&values, again) == FW_OK);
-		require(memcmp(again + 4, data + at + 4, length - 4) == 0);
+		if (fw_sbf_decode(sbf_alone(data + at, length), &values) != FW_OK)
+			continue;
+		uint8_t *const out = again + sizeof again - length;
+		memset(out, 0xa5, length);
+		require(fw_sbf_encode(&values, out) == FW_OK);
+		require(memcmp(out + 4, data + at + 4, length - 4) == 0);
 	}
 	return 0;
 }

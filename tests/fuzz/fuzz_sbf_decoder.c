@@ -72,8 +72,10 @@ static uint64_t decode(const uint8_t *data, size_t size, uint8_t mode)
 	fw_sbf_decoder_init(&decoder, &options, (fw_sink){put_both, NULL});
 	fw_csv_begin_stream(&csv, to_memory, &stream);
 	fw_lcm_begin(&lcm, to_memory, &events);
-	while (fw_sbf_next(&framer, &block) == FW_OK)
+	while (fw_sbf_next(&framer, &block) == FW_OK) {
+		block.data = sbf_alone(block.data, block.length);
 		fw_sbf_decoder_put(&decoder, &block);
+	}
 	fw_sbf_decoder_flush(&decoder);
 	require(fw_csv_end(&csv, true, 0) == FW_OK && fw_lcm_end(&lcm, true, 0) == FW_OK);
 	require(csv.refused == 0 && lcm.refused == 0 && csv.rows == lcm.rows);

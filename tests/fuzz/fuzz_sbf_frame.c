@@ -25,7 +25,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max, unsigned 
 	return sbf_mutate(data, size, max, seed, make);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static void frame(const uint8_t *data, size_t size)
 {
 	static fw_sbf_framer framer;
 	static fw_input in;
@@ -50,5 +50,19 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	require(s->blocks == blocks && s->bytes_good == bytes);
 	require(losses == s->blocks_damaged + s->truncated);
 	fw_input_close(&in);
+}
+
+/* Now and then the input many times over: more than fits into the framer's buffer. */
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+	static uint8_t large[FW_SBF_BUFFER / 4 * 5];
+	size_t used = 0;
+
+	frame(data, size);
+	if (size == 0 || size > FUZZ_ROOM || size % 256 != 12)
+		return 0;
+	for (; used + size <= sizeof large; used += size)
+		memcpy(large + used, data, size);
+	frame(large, used);
 	return 0;
 }

@@ -27,9 +27,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	fw_sbf_meas3_init(&meas3, FW_ANTENNA_ALL, &wanted, (fw_sink){record_check, NULL});
 	for (size_t at = 0; (at = sbf_find(data, size, at)) + FW_SBF_HEADER <= size;) {
 		const size_t length = fw_load_u16(data + at + 6);
-		const int whole = length >= FW_SBF_HEADER && length <= size - at;
+		const int whole =
+		    length >= FW_SBF_HEADER && length <= FW_SBF_MAX_LENGTH && length <= size - at;
 		if (whole)
-			(void)!fw_sbf_meas3_put(&meas3, data + at, (uint16_t)length);
+			(void)!fw_sbf_meas3_put(&meas3, sbf_alone(data + at, length), (uint16_t)length);
 		at += whole ? length : 2;
 	}
 	fw_sbf_meas3_flush(&meas3);

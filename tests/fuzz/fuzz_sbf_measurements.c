@@ -71,15 +71,16 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 	memset(&channels, 0, sizeof channels);
 	for (size_t at = 0; (at = sbf_find(data, size, at)) + FW_SBF_HEADER <= size;) {
 		const uint16_t id = fw_load_u16(data + at + 4) & 0x1fff, length = fw_load_u16(data + at + 6);
-		if (length < FW_SBF_HEADER || length > size - at) {
+		if (length < FW_SBF_HEADER || length > FW_SBF_MAX_LENGTH || length > size - at) {
 			at += 2;
 			continue;
 		}
+		const uint8_t *const block = sbf_alone(data + at, length);
 		if (id == MEAS_EXTRA) {
-			fw_sbf_meas_extra(data + at, length, FW_ANTENNA_ALL, &channels,
+			fw_sbf_meas_extra(block, length, FW_ANTENNA_ALL, &channels,
 			                  (fw_sink){record_check, NULL});
 		} else if (id == MEAS_EPOCH) {
-			decode_epoch(data + at, length);
+			decode_epoch(block, length);
 			encode_again();
 		}
 		at += length;

@@ -118,6 +118,13 @@ static inline size_t sbf_find(const uint8_t *data, size_t size, size_t at)
 	return size;
 }
 
+/* A copy of a block with nothing behind it, so that the sanitizers see a step beyond its end. */
+static inline const uint8_t *sbf_alone(const uint8_t *block, size_t length)
+{
+	static uint8_t room[FW_SBF_MAX_LENGTH];
+	return memcpy(room + sizeof room - length, block, length);
+}
+
 /* A block drawn at random: where it starts; `size` when there is none. *end: where the next one does. */
 static inline size_t sbf_pick(fw_random *r, const uint8_t *data, size_t size, size_t *end)
 {
