@@ -7,8 +7,9 @@
 #include "formats/sbf_decoder.h"
 #include "formats/sbf_schema.h"
 
-static const char columns[] = "block_id,name,revision,count,first_gps_week,first_tow_s,last_gps_week,last_tow_s,"
-			      "rate_hz,bytes,error_share,record\n";
+static const char columns[] =
+    "block_id,name,revision,count,first_gps_week,first_tow_s,last_gps_week,last_tow_s,"
+    "rate_hz,bytes,error_share,record\n";
 
 void inventory_add(inventory *inv, const fw_sbf_block *block)
 {

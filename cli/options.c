@@ -11,11 +11,11 @@
 /* Entries of every tool, after those of its table. */
 
 static const option common[] = {
-	{"config", 'c', OPTION_TEXT, "FILE", NULL, "read settings from an INI file", 0, 0},
-	{"set", 0, OPTION_TEXT, "KEY=VALUE", NULL, "set one key, as in the INI file", 0, 0},
-	{"print-config", 0, OPTION_FLAG, NULL, NULL, "print the settings in force and leave", 0, 0},
-	{"help", 'h', OPTION_FLAG, NULL, NULL, "print this and leave", 0, 0},
-	{"version", 'V', OPTION_FLAG, NULL, NULL, "print the version and leave", 0, 0},
+    {"config", 'c', OPTION_TEXT, "FILE", NULL, "read settings from an INI file", 0, 0},
+    {"set", 0, OPTION_TEXT, "KEY=VALUE", NULL, "set one key, as in the INI file", 0, 0},
+    {"print-config", 0, OPTION_FLAG, NULL, NULL, "print the settings in force and leave", 0, 0},
+    {"help", 'h', OPTION_FLAG, NULL, NULL, "print this and leave", 0, 0},
+    {"version", 'V', OPTION_FLAG, NULL, NULL, "print the version and leave", 0, 0},
 };
 enum { N_COMMON = sizeof common / sizeof common[0] };
 
@@ -42,8 +42,8 @@ static size_t edit_distance(const char *a, const char *b)
 	return row[n];
 }
 
-const char *nearest_word(const char *word, const char *(*word_at)(const void *words, int i), const void *words,
-                         int n)
+const char *nearest_word(const char *word, const char *(*word_at)(const void *words, int i),
+                         const void *words, int n)
 {
 	const char *nearest = NULL;
 	size_t best = strlen(word) / 2 + 1;
@@ -89,7 +89,8 @@ static int is_choice(const char *choices, const char *word)
 
 static int parse_yes_no(const char *text, double *value)
 {
-	static const char *const yes[] = {"yes", "true", "on", "1"}, *const no[] = {"no", "false", "off", "0"};
+	static const char *const yes[] = {"yes", "true", "on", "1"}, *const no[] = {"no", "false", "off",
+	                                                                            "0"};
 	for (size_t i = 0; i < sizeof yes / sizeof yes[0]; i++) {
 		if (strcmp(text, yes[i]) == 0 || strcmp(text, no[i]) == 0) {
 			*value = strcmp(text, yes[i]) == 0;
@@ -107,29 +108,31 @@ static int set_value(options *o, int i, const char *where, const char *value)
 	case OPTION_TEXT: break;
 	case OPTION_FLAG:
 		if (!parse_yes_no(value, &o->number[i])) {
-			fprintf(stderr, "%s: %s%s: '%s' is neither yes nor no\n", o->tool, where, entry->name, value);
+			fprintf(stderr, "%s: %s%s: '%s' is neither yes nor no\n", o->tool, where, entry->name,
+			        value);
 			return 0;
 		}
 		break;
 	case OPTION_NUMBER:
 		if (fw_get_double(value, strlen(value), &o->number[i]) != FW_OK ||
 		    !(o->number[i] >= entry->min && o->number[i] <= entry->max)) {
-			fprintf(stderr, "%s: %s%s: '%s' is not a number from %g to %g\n", o->tool, where, entry->name,
-			        value, entry->min, entry->max);
+			fprintf(stderr, "%s: %s%s: '%s' is not a number from %g to %g\n", o->tool, where,
+			        entry->name, value, entry->min, entry->max);
 			return 0;
 		}
 		break;
 	case OPTION_CHOICE:
 		if (!is_choice(entry->argument, value)) {
-			fprintf(stderr, "%s: %s%s: '%s' is not one of %s\n", o->tool, where, entry->name, value,
-			        entry->argument);
+			fprintf(stderr, "%s: %s%s: '%s' is not one of %s\n", o->tool, where, entry->name,
+			        value, entry->argument);
 			return 0;
 		}
 		break;
 	case OPTION_TIME:
 		if (fw_time_parse(value, &o->time[i]) < 0) {
 			fprintf(stderr,
-			        "%s: %s%s: '%s' is no time; write WEEK:SECONDS, YYYY-MM-DDTHH:MM:SS (GPS time), or the "
+			        "%s: %s%s: '%s' is no time; write WEEK:SECONDS, YYYY-MM-DDTHH:MM:SS (GPS "
+			        "time), or the "
 			        "same with Z (UTC)\n",
 			        o->tool, where, entry->name, value);
 			return 0;
@@ -220,8 +223,9 @@ static options_result read_file(options *o, const char *file)
 static void print_option(FILE *f, const option *entry)
 {
 	char left[80];
-	int n = snprintf(left, sizeof left, "  %c%c%c --%s", entry->letter != 0 ? '-' : ' ',
-	                 entry->letter != 0 ? entry->letter : ' ', entry->letter != 0 ? ',' : ' ', entry->name);
+	int n =
+	    snprintf(left, sizeof left, "  %c%c%c --%s", entry->letter != 0 ? '-' : ' ',
+	             entry->letter != 0 ? entry->letter : ' ', entry->letter != 0 ? ',' : ' ', entry->name);
 	if (entry->argument != NULL)
 		snprintf(left + n, sizeof left - (size_t)n, " %s", entry->argument);
 	if (strlen(left) > 32)
@@ -266,7 +270,8 @@ static void make_getopt_tables(const options *o, struct option *longs, char *sho
 	for (int i = 0; i < o->n + N_COMMON; i++) {
 		const option *entry = i < o->n ? &o->table[i] : &common[i - o->n];
 		int has_argument = entry->type != OPTION_FLAG;
-		longs[i] = (struct option){entry->name, has_argument ? required_argument : no_argument, NULL, 256 + i};
+		longs[i] = (struct option){entry->name, has_argument ? required_argument : no_argument, NULL,
+		                           256 + i};
 		if (entry->letter != 0) {
 			*shorts++ = entry->letter;
 			if (has_argument)

@@ -37,14 +37,14 @@ typedef struct {
 	const char *text[MAX_OPTIONS]; /* as given, or the fallback; NULL: unset */
 	double number[MAX_OPTIONS];    /* OPTION_NUMBER and OPTION_FLAG (0 or 1) */
 	fw_time time[MAX_OPTIONS];     /* OPTION_TIME */
-	char *kept[MAX_OPTIONS];       /* the text of values from the INI file, also when others are in force */
-	int first_file;                /* index in argv of the first operand */
+	char *kept[MAX_OPTIONS]; /* the text of values from the INI file, also when others are in force */
+	int first_file;          /* index in argv of the first operand */
 } options;
 
 /* What options_parse asks the tool to do. */
 typedef enum {
-	OPTIONS_RUN,  /* go on */
-	OPTIONS_DONE, /* --help, --version or --print-config was answered: leave with status 0 */
+	OPTIONS_RUN,   /* go on */
+	OPTIONS_DONE,  /* --help, --version or --print-config was answered: leave with status 0 */
 	OPTIONS_WRONG, /* a message was written: leave with status 2 */
 	OPTIONS_FAILED /* the INI file could not be read; a message was written: leave with status 3 */
 } options_result;
@@ -69,7 +69,7 @@ void options_each(const options *o, void (*each)(void *context, const char *key,
                   void *context);
 
 /* Of n words the one that is most like `word`; NULL when none is near. For "did you mean". */
-const char *nearest_word(const char *word, const char *(*word_at)(const void *words, int i), const void *words,
-                         int n);
+const char *nearest_word(const char *word, const char *(*word_at)(const void *words, int i),
+                         const void *words, int n);
 
 #endif

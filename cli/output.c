@@ -28,8 +28,8 @@ static int name_aside(output *out)
 {
 	const char *slash = strrchr(out->path, '/');
 	int folder = slash != NULL ? (int)(slash - out->path) + 1 : 0;
-	int n = snprintf(out->aside, sizeof out->aside, "%.*s.%s.%ld.part", folder, out->path, out->path + folder,
-	                 (long)getpid());
+	int n = snprintf(out->aside, sizeof out->aside, "%.*s.%s.%ld.part", folder, out->path,
+	                 out->path + folder, (long)getpid());
 	return n > 0 && n < (int)sizeof out->aside;
 }
 

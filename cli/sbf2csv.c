@@ -17,30 +17,31 @@
 #include "tool.h"
 
 static const option table[] = {
-	{"output", 'o', OPTION_TEXT, "FILE", NULL, "write to FILE instead of standard output", 0, 0},
-	{"types", 't', OPTION_TEXT, "TYPE[,TYPE]", NULL, "record types wanted", 0, 0},
-	{"stream", 's', OPTION_FLAG, NULL, NULL, "write a stream of several types", 0, 0},
-	{"format", 'f', OPTION_CHOICE, "csv|lcm", "csv", "text, or an LCM event log", 0, 0},
-	{"split", 0, OPTION_TEXT, "DIR", NULL, "write one table per type to DIR/TYPE.csv", 0, 0},
-	{"list", 0, OPTION_FLAG, NULL, NULL, "write an inventory of the blocks instead", 0, 0},
-	{"from", 0, OPTION_TIME, "TIME", NULL, "leave out what is before TIME", 0, 0},
-	{"until", 0, OPTION_TIME, "TIME", NULL, "leave out what is at TIME and after", 0, 0},
-	{"every", 0, OPTION_NUMBER, "SECONDS", NULL, "keep epochs at multiples of SECONDS", 0.001, 604800},
-	{"antenna", 0, OPTION_CHOICE, "main|aux1|aux2|all", "main", "antenna whose measurements are wanted", 0, 0},
-	{"nav", 0, OPTION_CHOICE, "both|decoded|raw", "both", "where navigation messages come from", 0, 0},
-	{"lcm-url", 0, OPTION_TEXT, "URL", NULL, "publish by LCM instead of writing", 0, 0},
-	{"quiet", 'q', OPTION_FLAG, NULL, NULL, "only messages about errors that end the run", 0, 0},
-	{"verbose", 'v', OPTION_FLAG, NULL, NULL, "every message, however often it repeats", 0, 0},
-	{"progress", 0, OPTION_CHOICE, "auto|always|never", "auto", "show how much has been read", 0, 0},
+    {"output", 'o', OPTION_TEXT, "FILE", NULL, "write to FILE instead of standard output", 0, 0},
+    {"types", 't', OPTION_TEXT, "TYPE[,TYPE]", NULL, "record types wanted", 0, 0},
+    {"stream", 's', OPTION_FLAG, NULL, NULL, "write a stream of several types", 0, 0},
+    {"format", 'f', OPTION_CHOICE, "csv|lcm", "csv", "text, or an LCM event log", 0, 0},
+    {"split", 0, OPTION_TEXT, "DIR", NULL, "write one table per type to DIR/TYPE.csv", 0, 0},
+    {"list", 0, OPTION_FLAG, NULL, NULL, "write an inventory of the blocks instead", 0, 0},
+    {"from", 0, OPTION_TIME, "TIME", NULL, "leave out what is before TIME", 0, 0},
+    {"until", 0, OPTION_TIME, "TIME", NULL, "leave out what is at TIME and after", 0, 0},
+    {"every", 0, OPTION_NUMBER, "SECONDS", NULL, "keep epochs at multiples of SECONDS", 0.001, 604800},
+    {"antenna", 0, OPTION_CHOICE, "main|aux1|aux2|all", "main", "antenna whose measurements are wanted", 0,
+     0},
+    {"nav", 0, OPTION_CHOICE, "both|decoded|raw", "both", "where navigation messages come from", 0, 0},
+    {"lcm-url", 0, OPTION_TEXT, "URL", NULL, "publish by LCM instead of writing", 0, 0},
+    {"quiet", 'q', OPTION_FLAG, NULL, NULL, "only messages about errors that end the run", 0, 0},
+    {"verbose", 'v', OPTION_FLAG, NULL, NULL, "every message, however often it repeats", 0, 0},
+    {"progress", 0, OPTION_CHOICE, "auto|always|never", "auto", "show how much has been read", 0, 0},
 };
 
 /* Large, and one of each: static, so that what is not used costs nothing. */
 static options opts = {
-	.tool = "sbf2csv",
-	.synopsis = "[options] [FILE...]",
-	.purpose = "Septentrio receiver logs (SBF) to CSV tables, streams and LCM logs.",
-	.table = table,
-	.n = sizeof table / sizeof table[0],
+    .tool = "sbf2csv",
+    .synopsis = "[options] [FILE...]",
+    .purpose = "Septentrio receiver logs (SBF) to CSV tables, streams and LCM logs.",
+    .table = table,
+    .n = sizeof table / sizeof table[0],
 };
 static tool self = {.name = "sbf2csv"};
 static inventory blocks;
@@ -94,12 +95,15 @@ static int make_plan(sink_plan *sink, source_plan *source)
 	             : lcm           ? SINK_LCM
 	             : stream        ? SINK_STREAM
 	                             : SINK_TABLE;
-	if ((split != NULL) + (url != NULL) + (options_text(&opts, "output") != NULL) > 1 || (stream && split != NULL)) {
-		tool_error(&self, "--output, --split and --lcm-url exclude each other; so do --stream and --split");
+	if ((split != NULL) + (url != NULL) + (options_text(&opts, "output") != NULL) > 1 ||
+	    (stream && split != NULL)) {
+		tool_error(&self,
+		           "--output, --split and --lcm-url exclude each other; so do --stream and --split");
 		return EXIT_USAGE;
 	}
 	if (sink->mode == SINK_TABLE && n > 1) {
-		tool_error(&self, "a table holds one type; add -s for a stream, or --split DIR for one table each");
+		tool_error(&self,
+		           "a table holds one type; add -s for a stream, or --split DIR for one table each");
 		return EXIT_USAGE;
 	}
 	if (types == NULL && sink->mode == SINK_TABLE)
@@ -109,7 +113,8 @@ static int make_plan(sink_plan *sink, source_plan *source)
 	sink->path = split != NULL ? split : url != NULL ? url : options_text(&opts, "output");
 	sink->from = options_time(&opts, "from");
 	sink->until = options_time(&opts, "until");
-	sink->every_ns = options_text(&opts, "every") != NULL ? llround(options_number(&opts, "every") * 1e9) : 0;
+	sink->every_ns =
+	    options_text(&opts, "every") != NULL ? llround(options_number(&opts, "every") * 1e9) : 0;
 	source->table = types != NULL && n == 1 ? sink->table : FW_RECORD_COUNT;
 	source->antennas = strcmp(antenna, "all") == 0    ? FW_ANTENNA_ALL
 	                   : strcmp(antenna, "aux1") == 0 ? FW_ANTENNA_AUX1
@@ -167,7 +172,8 @@ static int finish(int status, const source_totals *totals)
 	uint64_t rows = sinks_rows(&sinks);
 
 	tool_repeats(&self);
-	if (sinks_end(&sinks, &self, complete, totals->lost, rows > 0 && status != EXIT_IO && !interrupted) != FW_OK)
+	if (sinks_end(&sinks, &self, complete, totals->lost, rows > 0 && status != EXIT_IO && !interrupted) !=
+	    FW_OK)
 		return EXIT_IO;
 	source_summary(&self, totals, rows);
 	if (interrupted)
@@ -210,7 +216,8 @@ int main(int argc, char **argv)
 	if (from.blocks != NULL) {
 		int status = read_all(argc - opts.first_file, argv + opts.first_file, &from, &totals);
 		source_summary(&self, &totals, totals.blocks);
-		return tool_interrupted() ? tool_die_of(tool_interrupted()) : write_inventory(status, &totals);
+		return tool_interrupted() ? tool_die_of(tool_interrupted())
+		                          : write_inventory(status, &totals);
 	}
 	if (sinks_begin(&sinks, &to, &self, &opts, argc, argv) != FW_OK)
 		return tool_interrupted() ? tool_die_of(tool_interrupted()) : EXIT_IO;

@@ -11,10 +11,10 @@
 #include <time.h>
 
 /* Records that belong to the receiver's epochs: what --every thins out. */
-static const fw_kind epoch_kinds[] = {FW_obs,     FW_epoch,     FW_obs_extra, FW_pvt,     FW_pvt_ecef, FW_dop,
-                                      FW_att,     FW_aux_ant,   FW_base,      FW_base_ecef, FW_satpos, FW_residual,
-                                      FW_raim,    FW_quality,   FW_time,      FW_status,  FW_ins,      FW_ins_ecef,
-                                      FW_sbas_corr, FW_pl,      FW_pos,       FW_nav};
+static const fw_kind epoch_kinds[] = {
+    FW_obs,  FW_epoch,     FW_obs_extra, FW_pvt,      FW_pvt_ecef, FW_dop,     FW_att,  FW_aux_ant,
+    FW_base, FW_base_ecef, FW_satpos,    FW_residual, FW_raim,     FW_quality, FW_time, FW_status,
+    FW_ins,  FW_ins_ecef,  FW_sbas_corr, FW_pl,       FW_pos,      FW_nav};
 
 /* LCM over UDP loses messages when a sender bursts; up to this rate none are lost. */
 enum { PUBLISH_PER_SECOND = 100000 };
@@ -108,7 +108,8 @@ static sink_file *open_split(sink_set *s, fw_kind kind)
 	sink_file *f = malloc(sizeof *f);
 	errno = f == NULL ? ENOMEM : ENAMETOOLONG;
 	if (f != NULL &&
-	    snprintf(path, sizeof path, "%s/%s.csv", s->plan.path, fw_record_type_of(kind)->name) < (int)sizeof path &&
+	    snprintf(path, sizeof path, "%s/%s.csv", s->plan.path, fw_record_type_of(kind)->name) <
+	        (int)sizeof path &&
 	    output_open(&f->out, path) == FW_OK) {
 		fw_csv_begin_table(&f->writer.csv, kind, output_write, &f->out);
 		return f;
@@ -175,7 +176,8 @@ static void put_setting(void *context, const char *key, const char *value)
 {
 	char text[512];
 	/* Where the bytes go, and how much is said about it, is no property of the data. */
-	static const char *const silent[] = {"output", "quiet", "verbose", "progress", "list", "stream", "format"};
+	static const char *const silent[] = {"output", "quiet",  "verbose", "progress",
+	                                     "list",   "stream", "format"};
 	for (size_t i = 0; i < sizeof silent / sizeof silent[0]; i++)
 		if (strcmp(key, silent[i]) == 0)
 			return;
@@ -310,7 +312,8 @@ static fw_status end_split(sink_set *s, const tool *t, int complete, uint64_t lo
 {
 	for (int kind = 0; kind < FW_RECORD_COUNT; kind++) {
 		sink_file *f = s->split[kind];
-		if (f != NULL && (fw_csv_end(&f->writer.csv, complete, lost) != FW_OK || output_finish(&f->out) != FW_OK))
+		if (f != NULL &&
+		    (fw_csv_end(&f->writer.csv, complete, lost) != FW_OK || output_finish(&f->out) != FW_OK))
 			s->failed = 1;
 	}
 	fw_status worst = s->failed ? FW_EIO : FW_OK;

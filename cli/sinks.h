@@ -14,10 +14,10 @@ typedef enum { SINK_TABLE, SINK_STREAM, SINK_LCM, SINK_SPLIT, SINK_PUBLISH } sin
 
 typedef struct {
 	sink_mode mode;
-	const char *path; /* file, folder or URL; NULL: stdout */
-	fw_kind table;    /* the type of a table */
+	const char *path;            /* file, folder or URL; NULL: stdout */
+	fw_kind table;               /* the type of a table */
 	const fw_time *from, *until; /* NULL: no limit */
-	int64_t every_ns; /* 0: all epochs */
+	int64_t every_ns;            /* 0: all epochs */
 } sink_plan;
 
 /* One output with its writer; of a split there is one for each type that occurs. */

@@ -85,8 +85,8 @@ static void note_loss(void *context, const fw_sbf_loss *loss)
 		tool_warn(j->t, CAUSE_TRUNCATED, "%s: byte %" PRIu64 ": the log ends inside a %s", j->name,
 		          loss->offset, block);
 	else
-		tool_warn(j->t, CAUSE_DAMAGE, "%s: byte %" PRIu64 ": %s: %s, skipped", j->name, loss->offset, block,
-		          loss->status == FW_ECHECKSUM ? "CRC mismatch" : "damaged header");
+		tool_warn(j->t, CAUSE_DAMAGE, "%s: byte %" PRIu64 ": %s: %s, skipped", j->name, loss->offset,
+		          block, loss->status == FW_ECHECKSUM ? "CRC mismatch" : "damaged header");
 }
 
 static fw_status read_blocks(job *j, fw_sbf_framer *framer, fw_sbf_decoder *decoder)
@@ -107,18 +107,20 @@ static fw_status read_blocks(job *j, fw_sbf_framer *framer, fw_sbf_decoder *deco
 static void explain(const job *j, const fw_sbf_decoder_stats *s)
 {
 	if (s->scrambled > 0)
-		tool_note(j->t, "%s: %" PRIu64 " epochs of scrambled measurements left out", j->name, s->scrambled);
+		tool_note(j->t, "%s: %" PRIu64 " epochs of scrambled measurements left out", j->name,
+		          s->scrambled);
 	if (s->no_reference > 0)
-		tool_note(j->t, "%s: %" PRIu64 " Meas3 epochs without their reference epoch left out", j->name,
-		          s->no_reference);
+		tool_note(j->t, "%s: %" PRIu64 " Meas3 epochs without their reference epoch left out",
+		          j->name, s->no_reference);
 	if (s->left_out.other_antenna > 0)
-		tool_note(j->t, "%s: %" PRIu64 " observations of other antennas left out (--antenna)", j->name,
-		          s->left_out.other_antenna);
+		tool_note(j->t, "%s: %" PRIu64 " observations of other antennas left out (--antenna)",
+		          j->name, s->left_out.other_antenna);
 	if (s->left_out.unnamed > 0)
-		tool_note(j->t, "%s: %" PRIu64 " observations of GLONASS satellites of unknown slot left out", j->name,
-		          s->left_out.unnamed);
+		tool_note(j->t, "%s: %" PRIu64 " observations of GLONASS satellites of unknown slot left out",
+		          j->name, s->left_out.unnamed);
 	if (s->bad_pages > 0)
-		tool_note(j->t, "%s: %" PRIu64 " navigation pages fail their checksum", j->name, s->bad_pages);
+		tool_note(j->t, "%s: %" PRIu64 " navigation pages fail their checksum", j->name,
+		          s->bad_pages);
 }
 
 static fw_status read_sbf(job *j)
@@ -134,7 +136,8 @@ static fw_status read_sbf(job *j)
 
 	const fw_sbf_stats *s = &framer->stats;
 	if (s->blocks == 0)
-		tool_note(j->t, "%s: no SBF block in it, and it is no stream, table or LCM log either", j->name);
+		tool_note(j->t, "%s: no SBF block in it, and it is no stream, table or LCM log either",
+		          j->name);
 	explain(j, &decoder->stats);
 	j->lost += s->blocks_damaged + s->truncated + decoder->stats.malformed + decoder->stats.scrambled +
 	           decoder->stats.no_reference;
@@ -169,15 +172,16 @@ static fw_status read_text(job *j)
 		if (status == FW_OK) {
 			put_wanted(j, kind, &record);
 		} else if (status == FW_ESYNTAX || status == FW_EUNKNOWN) {
-			tool_warn(j->t, CAUSE_ROW, "%s:%" PRIu64 ": column %d %s: %s", j->name, r->problem.line,
-			          r->problem.field, r->problem.column, r->problem.reason);
+			tool_warn(j->t, CAUSE_ROW, "%s:%" PRIu64 ": column %d %s: %s", j->name,
+			          r->problem.line, r->problem.field, r->problem.column, r->problem.reason);
 		}
 		if (status < 0 && status != FW_ESYNTAX)
 			break;
 		tool_progress_update(&j->progress, (int64_t)now.input.offset);
 	}
 	if (r->unknown_columns > 0)
-		tool_note(j->t, "%s: %d unknown columns ignored, '%s' first", j->name, r->unknown_columns, r->unknown);
+		tool_note(j->t, "%s: %d unknown columns ignored, '%s' first", j->name, r->unknown_columns,
+		          r->unknown);
 	j->lost += r->lost + r->skipped + (status == FW_EUNKNOWN);
 	j->partial |= r->partial;
 	return must_stop(j) ? FW_EOF : status;
@@ -195,7 +199,8 @@ static fw_status read_lcm(job *j)
 		if (status == FW_OK)
 			put_wanted(j, kind, &record);
 		else if (status == FW_ESYNTAX)
-			tool_warn(j->t, CAUSE_DAMAGE, "%s: byte %" PRIu64 ": %s", j->name, r->lost_offset, r->reason);
+			tool_warn(j->t, CAUSE_DAMAGE, "%s: byte %" PRIu64 ": %s", j->name, r->lost_offset,
+			          r->reason);
 		else
 			break;
 		tool_progress_update(&j->progress, (int64_t)now.input.offset);
@@ -251,7 +256,10 @@ static void hand_on(void *context)
 
 int source_read(tool *t, const char *path, const source_plan *plan, fw_sink sink, source_totals *totals)
 {
-	job j = {.t = t, .name = strcmp(path, "-") == 0 ? "standard input" : path, .plan = plan, .sink = sink,
+	job j = {.t = t,
+	         .name = strcmp(path, "-") == 0 ? "standard input" : path,
+	         .plan = plan,
+	         .sink = sink,
 	         .totals = totals};
 	fw_status status;
 	do
@@ -298,9 +306,11 @@ void source_summary(const tool *t, const source_totals *totals, uint64_t rows)
 	if (totals->unknown > 0)
 		snprintf(unknown, sizeof unknown, " (%" PRIu64 " of types not decoded)", totals->unknown);
 	if (totals->records > 0)
-		tool_note(t, "%" PRIu64 " records read, %" PRIu64 " lost, %" PRIu64 " rows written", totals->records,
-		          totals->lost, rows);
+		tool_note(t, "%" PRIu64 " records read, %" PRIu64 " lost, %" PRIu64 " rows written",
+		          totals->records, totals->lost, rows);
 	else
-		tool_note(t, "%" PRIu64 " blocks%s, %" PRIu64 " lost, %" PRIu64 " bytes skipped, %" PRIu64
-		          " rows written", totals->blocks, unknown, totals->lost, totals->bytes_skipped, rows);
+		tool_note(t,
+		          "%" PRIu64 " blocks%s, %" PRIu64 " lost, %" PRIu64 " bytes skipped, %" PRIu64
+		          " rows written",
+		          totals->blocks, unknown, totals->lost, totals->bytes_skipped, rows);
 }

@@ -11,7 +11,8 @@ enum { SHOWN_PER_CAUSE = 5, PROGRESS_INTERVAL_NS = 200000000 };
 
 static volatile sig_atomic_t noted_signal;
 
-static __attribute__((format(printf, 2, 0))) void message(const tool *t, const char *format, va_list arguments)
+static __attribute__((format(printf, 2, 0))) void message(const tool *t, const char *format,
+                                                          va_list arguments)
 {
 	char line[1024];
 	vsnprintf(line, sizeof line, format, arguments);
@@ -58,7 +59,8 @@ void tool_repeats(const tool *t)
 
 void tool_hold_standard_streams(void)
 {
-	static const int flags[] = {[STDIN_FILENO] = O_WRONLY, [STDOUT_FILENO] = O_RDONLY, [STDERR_FILENO] = O_RDWR};
+	static const int flags[] = {
+	    [STDIN_FILENO] = O_WRONLY, [STDOUT_FILENO] = O_RDONLY, [STDERR_FILENO] = O_RDWR};
 	for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
 		if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", flags[fd]) != fd)
 			_exit(EXIT_IO); /* nowhere to say why */
@@ -103,7 +105,8 @@ static int64_t monotonic_ns(void)
 
 void tool_progress_start(tool_progress *p, const tool *t, const char *when, const char *file, int64_t size)
 {
-	int shown = strcmp(when, "always") == 0 || (strcmp(when, "auto") == 0 && isatty(STDERR_FILENO) && !t->quiet);
+	int shown =
+	    strcmp(when, "always") == 0 || (strcmp(when, "auto") == 0 && isatty(STDERR_FILENO) && !t->quiet);
 	*p = (tool_progress){.owner = t, .file = file, .size = size, .shown = shown};
 }
 

@@ -15,7 +15,14 @@ enum {
 };
 
 /* Kinds of messages that repeat; each is shown a few times and then only counted. */
-typedef enum { CAUSE_DAMAGE, CAUSE_TRUNCATED, CAUSE_ROW, CAUSE_UNKNOWN, CAUSE_UNSUPPORTED, CAUSE_COUNT } tool_cause;
+typedef enum {
+	CAUSE_DAMAGE,
+	CAUSE_TRUNCATED,
+	CAUSE_ROW,
+	CAUSE_UNKNOWN,
+	CAUSE_UNSUPPORTED,
+	CAUSE_COUNT
+} tool_cause;
 
 typedef struct {
 	const char *name;

@@ -256,7 +256,8 @@ void fw_csv_meta(fw_csv_writer *w, const char *key, const char *value)
 static bool is_key(const char *key)
 {
 	return key && *key &&
-	       key[strspn(key, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-")] == '\0' &&
+	       key[strspn(key, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-")] ==
+	           '\0' &&
 	       strcmp(key, "end") != 0 && strcmp(key, "furrow-stream") != 0;
 }
 

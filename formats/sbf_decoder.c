@@ -31,16 +31,17 @@ static const struct {
 	uint16_t id;
 	uint8_t record, part;
 } parts[] = {
-	{4007, PVT, 1},      {5906, PVT, 2},      {5908, PVT, 4},  {4006, PVT_ECEF, 1},
-	{5905, PVT_ECEF, 2}, {5907, PVT_ECEF, 4}, {5938, ATT, 1},  {5939, ATT, 2},
+    {4007, PVT, 1},      {5906, PVT, 2},      {5908, PVT, 4}, {4006, PVT_ECEF, 1},
+    {5905, PVT_ECEF, 2}, {5907, PVT_ECEF, 4}, {5938, ATT, 1}, {5939, ATT, 2},
 };
 
 /* Kinds that hold what satellites broadcast: chosen by their source. */
 static const fw_kind nav_kinds[] = {
-	FW_eph_gps,    FW_eph_bds,      FW_eph_gal,       FW_eph_glo,   FW_eph_sbas,  FW_klobuchar,    FW_nequick,
-	FW_utc,        FW_ggto,         FW_glo_time,      FW_sbas_mt0,  FW_sbas_mask, FW_sbas_fast,    FW_sbas_integrity,
-	FW_sbas_degradation, FW_sbas_factors, FW_sbas_time, FW_sbas_almanac, FW_sbas_igp_mask, FW_sbas_long,
-	FW_sbas_iono,  FW_sbas_service, FW_sbas_cov,      FW_sbas5_nav, FW_sbas5_almanac,
+    FW_eph_gps,      FW_eph_bds,      FW_eph_gal,      FW_eph_glo,        FW_eph_sbas,
+    FW_klobuchar,    FW_nequick,      FW_utc,          FW_ggto,           FW_glo_time,
+    FW_sbas_mt0,     FW_sbas_mask,    FW_sbas_fast,    FW_sbas_integrity, FW_sbas_degradation,
+    FW_sbas_factors, FW_sbas_time,    FW_sbas_almanac, FW_sbas_igp_mask,  FW_sbas_long,
+    FW_sbas_iono,    FW_sbas_service, FW_sbas_cov,     FW_sbas5_nav,      FW_sbas5_almanac,
 };
 
 static int is_nav_kind(fw_kind kind)
@@ -123,8 +124,8 @@ static void put_sensor(void *context, fw_kind kind, const void *record)
 		emit(d, kind, record);
 		return;
 	}
-	if (d->pending[IMU].parts != 0 &&
-	    (!same_stamp((const fw_record_head *)held, record) || (held->present & imu->present & (GYRO | ACCEL))))
+	if (d->pending[IMU].parts != 0 && (!same_stamp((const fw_record_head *)held, record) ||
+	                                   (held->present & imu->present & (GYRO | ACCEL))))
 		close_record(d, IMU);
 	if (d->pending[IMU].parts == 0) {
 		*held = *imu;
@@ -151,7 +152,7 @@ static void put_meas3(void *context, fw_kind kind, const void *record)
 	fw_sbf_decoder *d = context;
 	const fw_record_head *head = record;
 	const fw_record_head known = {(d->channels.week != FW_SBF_NO_WEEK ? 1 : 0) |
-	                                      (d->channels.tow_ms != FW_SBF_NO_TOW ? 2 : 0),
+	                                  (d->channels.tow_ms != FW_SBF_NO_TOW ? 2 : 0),
 	                              d->channels.week, d->channels.tow_ms / 1000.0};
 	if (!(d->seen[MEAS_EPOCH] && same_stamp(head, &known)))
 		emit(d, kind, record);
@@ -177,7 +178,8 @@ static void decode_sbas(fw_sbf_decoder *d, const fw_sbf_block *block)
 	for (int i = 0; i < FW_SBAS_BYTES; i++)
 		message[i] = block->data[BITS + (i ^ 3)];
 	stamp.present = (block->week != FW_SBF_NO_WEEK ? 1 : 0) | (block->tow_ms != FW_SBF_NO_TOW ? 2 : 0);
-	fw_status status = fw_sbas_decode(message, fw_sbf_satellite(block->data[14]), &stamp, (fw_sink){put_raw, d});
+	fw_status status =
+	    fw_sbas_decode(message, fw_sbf_satellite(block->data[14]), &stamp, (fw_sink){put_raw, d});
 	d->stats.bad_pages += status == FW_ECHECKSUM || status == FW_EFORMAT;
 }
 
@@ -192,10 +194,10 @@ static void decode_page(fw_sbf_decoder *d, const fw_sbf_block *block)
 
 /* What is to be done with a block; flags go with it. */
 enum {
-	UNKNOWN,    /* count it */
-	PASS_OVER,  /* nothing that was asked for is in it */
-	TABLE,      /* one record, or one for each sub-block, by the schema */
-	PART,       /* of a merged record */
+	UNKNOWN,   /* count it */
+	PASS_OVER, /* nothing that was asked for is in it */
+	TABLE,     /* one record, or one for each sub-block, by the schema */
+	PART,      /* of a merged record */
 	MEASUREMENTS,
 	EXTRA,
 	MEAS3,
@@ -248,7 +250,8 @@ static uint8_t choose_action(const fw_sbf_schema *schema, const fw_sbf_decoder_o
 static void choose_actions(fw_sbf_decoder *d)
 {
 	const fw_sbf_decoder_options *o = &d->options;
-	const int raw = (o->nav_sources & FW_NAV_RAW) && any_wanted(o, nav_kinds, sizeof nav_kinds / sizeof nav_kinds[0]);
+	const int raw =
+	    (o->nav_sources & FW_NAV_RAW) && any_wanted(o, nav_kinds, sizeof nav_kinds / sizeof nav_kinds[0]);
 
 	memset(d->actions, UNKNOWN, sizeof d->actions);
 	for (unsigned id = MEAS3_FIRST; id <= MEAS3_LAST; id++)
@@ -307,14 +310,16 @@ void fw_sbf_decoder_put(fw_sbf_decoder *d, const fw_sbf_block *block)
 	switch (action & ACTION) {
 	case UNKNOWN: d->stats.unknown++; break;
 	case TABLE: put_by_table(d, block, d->sink); break;
-	case MEAS3: (void)!fw_sbf_meas3_put(&d->meas3, block->data, length); break; /* it counts what is wrong */
+	case MEAS3:
+		(void)!fw_sbf_meas3_put(&d->meas3, block->data, length);
+		break; /* it counts what is wrong */
 	case SENSORS: put_by_table(d, block, (fw_sink){put_sensor, d}); break;
 	case PART: put_part(d, block); break;
 	case MEASUREMENTS:
 		if (fw_sbf_is_scrambled(block->data, length))
 			d->stats.scrambled++;
-		fw_sbf_meas_epoch(block->data, length, d->options.antennas, &d->options.wanted, d->sink, &d->channels,
-		                  &d->stats.left_out);
+		fw_sbf_meas_epoch(block->data, length, d->options.antennas, &d->options.wanted, d->sink,
+		                  &d->channels, &d->stats.left_out);
 		break;
 	case EXTRA: fw_sbf_meas_extra(block->data, length, d->options.antennas, &d->channels, d->sink); break;
 	case CLOSE_PVT:
@@ -338,7 +343,10 @@ const char *fw_sbf_decoder_records(uint16_t id)
 	case MEAS_EXTRA: return "obs_extra";
 	case EXT_SENSOR_MEAS: return "imu ext_sensor";
 	case MEAS3_FIRST: return "obs epoch obs_extra";
-	default: return schema != NULL && schema->kind != FW_RECORD_COUNT ? fw_record_type_of(schema->kind)->name : "";
+	default:
+		return schema != NULL && schema->kind != FW_RECORD_COUNT
+		           ? fw_record_type_of(schema->kind)->name
+		           : "";
 	}
 }
 

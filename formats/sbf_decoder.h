@@ -29,12 +29,12 @@ enum { FW_SBF_MERGED = 4 };
 
 /* For reading; complete after fw_sbf_decoder_flush(). */
 typedef struct {
-	uint64_t unknown;       /* blocks of a number whose layout furrow does not know */
+	uint64_t unknown;         /* blocks of a number whose layout furrow does not know */
 	fw_sbf_left_out left_out; /* observations */
-	uint64_t scrambled;     /* measurement epochs that only Septentrio can read */
-	uint64_t no_reference;  /* Meas3 epochs whose reference epoch is missing */
-	uint64_t malformed;     /* blocks with a good CRC whose counts contradict their length */
-	uint64_t bad_pages;     /* raw pages and messages that fail their own checksum or parity */
+	uint64_t scrambled;       /* measurement epochs that only Septentrio can read */
+	uint64_t no_reference;    /* Meas3 epochs whose reference epoch is missing */
+	uint64_t malformed;       /* blocks with a good CRC whose counts contradict their length */
+	uint64_t bad_pages;       /* raw pages and messages that fail their own checksum or parity */
 } fw_sbf_decoder_stats;
 
 /* Owned by the caller. Only stats is for reading. */
@@ -49,7 +49,7 @@ typedef struct {
 	fw_nav nav;
 	uint8_t actions[FW_SBF_IDS]; /* what is to be done with a block, by its number; decided once */
 	bool seen[FW_SBF_IDS];       /* block numbers that came */
-	uint32_t epoch_tow_ms; /* the receiver epoch that is open */
+	uint32_t epoch_tow_ms;       /* the receiver epoch that is open */
 	uint16_t epoch_week;
 	struct {
 		unsigned parts; /* which of the blocks that make the record are in it; 0: none */

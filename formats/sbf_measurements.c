@@ -20,7 +20,13 @@ enum { HEADER = 20, TYPE1 = 20, TYPE2 = 12, EXTRA_REV0 = 12 };
 
 enum { SIGNAL_ESCAPE = 31, SIGNAL_E6 = 19 };
 
-enum { COMMON_SMOOTHED = 1 << 1, COMMON_STEERING = 1 << 3, COMMON_DYNAMICS = 1 << 5, COMMON_E6B = 1 << 6, COMMON_SCRAMBLED = 1 << 7 };
+enum {
+	COMMON_SMOOTHED = 1 << 1,
+	COMMON_STEERING = 1 << 3,
+	COMMON_DYNAMICS = 1 << 5,
+	COMMON_E6B = 1 << 6,
+	COMMON_SCRAMBLED = 1 << 7
+};
 
 #define BIT(column) (INT64_C(1) << (column))
 
@@ -103,8 +109,8 @@ static void put_lock(furrow_obs *o, uint16_t lock, uint16_t do_not_use)
 }
 
 /* Fills what Type1 and Type2 share; returns the signal or NULL when it is not to be shown. */
-static const fw_sbf_signal *begin_signal(furrow_obs *o, const furrow_obs *shared, uint8_t type, uint8_t obs_info,
-                                         int e6b, const parent *sat)
+static const fw_sbf_signal *begin_signal(furrow_obs *o, const furrow_obs *shared, uint8_t type,
+                                         uint8_t obs_info, int e6b, const parent *sat)
 {
 	unsigned number = signal_number(type, obs_info);
 	const fw_sbf_signal *signal = fw_sbf_signal_of(number);
@@ -161,7 +167,7 @@ static int type2(const uint8_t *p, furrow_obs *o, const furrow_obs *shared, int 
 	if (signal == NULL)
 		return 0;
 	double frequency_hz =
-		carrier_frequency(signal, sat->glonass_channel, sat->glonass_channel != INT8_MIN);
+	    carrier_frequency(signal, sat->glonass_channel, sat->glonass_channel != INT8_MIN);
 
 	/* OffsetsMSB: signed three bits for the code, signed five bits for the Doppler. */
 	int code_msb = (int8_t)(p[3] << 5) >> 5;
@@ -187,17 +193,18 @@ static void emit_epoch(const uint8_t *block, const furrow_obs *head, unsigned n_
 {
 	uint8_t flags = block[17];
 	furrow_epoch e = {
-		.present = (BIT(FW_COL_epoch_COUNT) - 1) & ~(BIT(FW_COL_epoch_gps_week) | BIT(FW_COL_epoch_tow_s) |
-	                                                     BIT(FW_COL_epoch_clock_jumps_ms)),
-		.gps_week = head->gps_week,
-		.tow_s = head->tow_s,
-		.n_signals = (int16_t)n_signals,
-		.multipath_mitigation = flags & 1,
-		.smoothed = (flags & COMMON_SMOOTHED) != 0,
-		.clock_steering = (flags & COMMON_STEERING) != 0,
-		.high_dynamics = (flags & COMMON_DYNAMICS) != 0,
-		.e6b = (flags & COMMON_E6B) != 0,
-		.scrambled = (flags & COMMON_SCRAMBLED) != 0,
+	    .present =
+	        (BIT(FW_COL_epoch_COUNT) - 1) &
+	        ~(BIT(FW_COL_epoch_gps_week) | BIT(FW_COL_epoch_tow_s) | BIT(FW_COL_epoch_clock_jumps_ms)),
+	    .gps_week = head->gps_week,
+	    .tow_s = head->tow_s,
+	    .n_signals = (int16_t)n_signals,
+	    .multipath_mitigation = flags & 1,
+	    .smoothed = (flags & COMMON_SMOOTHED) != 0,
+	    .clock_steering = (flags & COMMON_STEERING) != 0,
+	    .high_dynamics = (flags & COMMON_DYNAMICS) != 0,
+	    .e6b = (flags & COMMON_E6B) != 0,
+	    .scrambled = (flags & COMMON_SCRAMBLED) != 0,
 	};
 	e.present |= head->present;
 	if (block[5] >> 5 >= 1) { /* revision 0 has no count of clock jumps */
@@ -239,7 +246,8 @@ void fw_sbf_meas_epoch(const uint8_t *block, uint16_t length, unsigned antennas,
 		channels->satellite[sub[0]] = satellite;
 		shared.sat = (char *)(uintptr_t)satellite;
 		shared.rx_channel = sub[0];
-		shared.present = time | BIT(FW_COL_obs_rx_channel) | (satellite != NULL ? BIT(FW_COL_obs_sat) : 0);
+		shared.present =
+		    time | BIT(FW_COL_obs_rx_channel) | (satellite != NULL ? BIT(FW_COL_obs_sat) : 0);
 
 		for (unsigned k = 0; k <= sub[19]; k++) {
 			const uint8_t *q = sub;
@@ -249,7 +257,8 @@ void fw_sbf_meas_epoch(const uint8_t *block, uint16_t length, unsigned antennas,
 				q = p;
 				p += size2;
 			}
-			int shown = k == 0 ? type1(q, &o, &shared, e6b, &sat) : type2(q, &o, &shared, e6b, &sat);
+			int shown =
+			    k == 0 ? type1(q, &o, &shared, e6b, &sat) : type2(q, &o, &shared, e6b, &sat);
 			if (!shown)
 				continue;
 			n_signals++;
@@ -302,7 +311,8 @@ static int extra(const uint8_t *p, unsigned size, unsigned revision, float doppl
 	if (size >= 16 && revision >= 1) {
 		x->loss_count = p[12];
 		x->carrier_multipath_corr_cyc = (int8_t)p[13] / 512.0;
-		x->present |= BIT(FW_COL_obs_extra_loss_count) | BIT(FW_COL_obs_extra_carrier_multipath_corr_cyc);
+		x->present |=
+		    BIT(FW_COL_obs_extra_loss_count) | BIT(FW_COL_obs_extra_carrier_multipath_corr_cyc);
 	}
 	if (size >= 16 && revision >= 2) {
 		x->info = p[14];
@@ -332,7 +342,8 @@ void fw_sbf_meas_extra(const uint8_t *block, uint16_t length, unsigned antennas,
 
 	for (unsigned i = 0; i < block[14] && end - p >= (ptrdiff_t)size; i++, p += size) {
 		furrow_obs_extra x = {.present = time, .gps_week = gps_week, .tow_s = tow_s};
-		if (!extra(p, size, block[5] >> 5, doppler_factor, same_epoch && channels->e6b, &x) || !(antennas >> x.antenna & 1))
+		if (!extra(p, size, block[5] >> 5, doppler_factor, same_epoch && channels->e6b, &x) ||
+		    !(antennas >> x.antenna & 1))
 			continue;
 		if (same_epoch && channels->satellite[p[0]] != NULL) {
 			x.sat = (char *)(uintptr_t)channels->satellite[p[0]];
@@ -465,21 +476,22 @@ static void encode_header(const furrow_epoch *e, unsigned n1, unsigned length, u
 	block[1] = '@';
 	fw_store_u16(block + 4, 4027 | 1 << 13);
 	fw_store_u16(block + 6, (uint16_t)length);
-	fw_store_u32(block + 8, has(e->present, FW_COL_epoch_tow_s) ? (uint32_t)nearbyint(e->tow_s * 1000)
-	                                                            : UINT32_MAX);
+	fw_store_u32(block + 8,
+	             has(e->present, FW_COL_epoch_tow_s) ? (uint32_t)nearbyint(e->tow_s * 1000) : UINT32_MAX);
 	fw_store_u16(block + 12, has(e->present, FW_COL_epoch_gps_week) ? (uint16_t)e->gps_week : UINT16_MAX);
 	block[14] = (uint8_t)n1;
 	block[15] = TYPE1;
 	block[16] = TYPE2;
-	block[17] = (uint8_t)((e->multipath_mitigation ? 1 : 0) | (e->smoothed ? COMMON_SMOOTHED : 0) |
-	                      (e->clock_steering ? COMMON_STEERING : 0) | (e->high_dynamics ? COMMON_DYNAMICS : 0) |
-	                      (e->e6b ? COMMON_E6B : 0) | (e->scrambled ? COMMON_SCRAMBLED : 0));
+	block[17] =
+	    (uint8_t)((e->multipath_mitigation ? 1 : 0) | (e->smoothed ? COMMON_SMOOTHED : 0) |
+	              (e->clock_steering ? COMMON_STEERING : 0) | (e->high_dynamics ? COMMON_DYNAMICS : 0) |
+	              (e->e6b ? COMMON_E6B : 0) | (e->scrambled ? COMMON_SCRAMBLED : 0));
 	block[18] = (uint8_t)e->clock_jumps_ms;
 	fw_store_u16(block + 2, fw_crc16(block + 4, length - 4));
 }
 
-fw_status fw_sbf_encode_meas_epoch(const furrow_epoch *epoch, const furrow_obs *obs, unsigned n, uint8_t *block,
-                                   uint16_t *length)
+fw_status fw_sbf_encode_meas_epoch(const furrow_epoch *epoch, const furrow_obs *obs, unsigned n,
+                                   uint8_t *block, uint16_t *length)
 {
 	uint8_t *p = block + HEADER, *parent_block = NULL;
 	const furrow_obs *first = NULL;

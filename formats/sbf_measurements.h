@@ -47,7 +47,7 @@ void fw_sbf_meas_extra(const uint8_t *block, uint16_t length, unsigned antennas,
  * FW_SBF_MAX_LENGTH bytes. Values are rounded to the wire's resolution (1 mm, 0.001 cycle, 0.0001 Hz, 0.25 dB-Hz);
  * absent ones become do-not-use. Returns FW_EUNKNOWN for a satellite or signal that SBF cannot name, FW_ERANGE for
  * a value that the wire cannot hold or more observations than a block holds; *length untouched. */
-fw_status fw_sbf_encode_meas_epoch(const furrow_epoch *epoch, const furrow_obs *obs, unsigned n, uint8_t *block,
-                                   uint16_t *length) FW_MUST_CHECK;
+fw_status fw_sbf_encode_meas_epoch(const furrow_epoch *epoch, const furrow_obs *obs, unsigned n,
+                                   uint8_t *block, uint16_t *length) FW_MUST_CHECK;
 
 #endif

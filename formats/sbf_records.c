@@ -278,7 +278,8 @@ static void put_values(fw_sbf_plans *plans, fw_sbf_steps steps, const uint8_t *s
 	for (const fw_sbf_step *step = plans->steps + steps.first, *end = step + steps.n; step < end;
 	     step++) {
 		char *member = (char *)record + step->member;
-		if (step->end <= size && step->since <= plans->revision && put_value(plans, step, start, index, member)) {
+		if (step->end <= size && step->since <= plans->revision &&
+		    put_value(plans, step, start, index, member)) {
 			present |= BIT(step->column);
 		} else {
 			present &= ~BIT(step->column);

@@ -19,14 +19,14 @@ enum { FW_SBF_MAX_SCHEMAS = 128, FW_SBF_MAX_GROUPS = 8, FW_SBF_MAX_STEPS = 1280 
 typedef struct {
 	const fw_sbf_field *field;
 	double mul, div, add;
-	int64_t do_not_use;  /* raw value that means "not available" */
-	int64_t mask;        /* of an integer or its view, after the shift */
-	uint16_t offset;     /* of the field in its block or sub-block [bytes] */
-	uint16_t end;        /* likewise: the byte after it; 0 for what is not on the wire */
-	uint16_t member;     /* offset in the record's struct [bytes] */
-	uint8_t column;      /* index */
-	uint8_t column_type; /* fw_column_type */
-	uint8_t action;      /* what makes a value of it */
+	int64_t do_not_use;         /* raw value that means "not available" */
+	int64_t mask;               /* of an integer or its view, after the shift */
+	uint16_t offset;            /* of the field in its block or sub-block [bytes] */
+	uint16_t end;               /* likewise: the byte after it; 0 for what is not on the wire */
+	uint16_t member;            /* offset in the record's struct [bytes] */
+	uint8_t column;             /* index */
+	uint8_t column_type;        /* fw_column_type */
+	uint8_t action;             /* what makes a value of it */
 	uint8_t type, shift, since; /* the field's */
 } fw_sbf_step;
 
@@ -44,7 +44,7 @@ typedef struct {
 	fw_sbf_step steps[FW_SBF_MAX_STEPS];
 	bool mounted;               /* an IMUSetup block was seen */
 	double C_vehicle_sensor[9]; /* 3 x 3, row-major: x_vehicle = C x_sensor */
-	uint8_t revision; /* of the block at hand */
+	uint8_t revision;           /* of the block at hand */
 	size_t text_used;
 	char text[FW_SBF_MAX_LENGTH + 1024]; /* the strings of the record at hand */
 } fw_sbf_plans;

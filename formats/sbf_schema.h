@@ -24,9 +24,9 @@ typedef enum {
 
 /* How a raw value becomes a column's value. */
 typedef enum {
-	SBF_NUMBER,    /* raw * mul / div + add */
-	SBF_ROOT,      /* a view: square root of an f4; a negative number has none and is absent */
-	SBF_CHANNEL,   /* a number for GLONASS only, that is when the byte before it is the SVID of a GLONASS satellite */
+	SBF_NUMBER, /* raw * mul / div + add */
+	SBF_ROOT,   /* a view: square root of an f4; a negative number has none and is absent */
+	SBF_CHANNEL, /* a number for GLONASS only, that is when the byte before it is the SVID of a GLONASS satellite */
 	SBF_SATELLITE, /* SVID -> "G05"; an SVID that means no satellite is absent */
 	SBF_SIGNAL,    /* signal number -> RINEX code; one without code is absent */
 	SBF_TEXT,      /* `count` characters, NUL or end terminated -> string; empty is absent */

@@ -6,9 +6,9 @@
 #include <stdint.h>
 
 typedef struct {
-	char system;               /* RINEX letter: G R E C J I S */
-	char rinex[3];             /* RINEX 3 band and attribute, "1C"; "" for the L-band beam, which has none */
-	double frequency_hz;       /* carrier; GLONASS FDMA: of channel 0; 0 for the L-band beam */
+	char system;         /* RINEX letter: G R E C J I S */
+	char rinex[3];       /* RINEX 3 band and attribute, "1C"; "" for the L-band beam, which has none */
+	double frequency_hz; /* carrier; GLONASS FDMA: of channel 0; 0 for the L-band beam */
 	double channel_spacing_hz; /* GLONASS FDMA: carrier = frequency + k spacing; else 0 */
 } fw_sbf_signal;
 

@@ -12,7 +12,7 @@
 /* A double as a log has it, or one of the kind that breaks things. */
 static inline double random_double(fw_random *r)
 {
-	static const double odd[] = {0,   -0.0,     1e-300, -5e-324, 1.7976931348623157e308,
+	static const double odd[] = {0,   -0.0,     1e-300, -5e-324,     1.7976931348623157e308,
 	                             0.1, -0.00005, 1e22,   (double)NAN, (double)INFINITY};
 	uint64_t bits;
 	double x;

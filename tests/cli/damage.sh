@@ -8,7 +8,7 @@ set -u
 blocks=$(("$(wc -c < long.sbf)" / 83028 * 748))
 [ $blocks -ge 100000 ] || complain "only $blocks blocks to damage"
 for seed in 1 2 3; do
-	"$TOOLS/damage_log" 1000 $seed < long.sbf > damaged.sbf
+	"$TOOLS/damage_log" 1000 $seed < long.sbf > damaged.sbf || complain "damage $seed: not made"
 	expect 1 "damage $seed" "$sbf2csv" -s damaged.sbf > stream
 	tail -n 1 stream | grep -q '^#end status=partial rows=[0-9]* skipped=1000$' || complain "damage $seed: $(tail -n 1 stream)"
 	tail -n 1 messages | grep -q "^sbf2csv: $((blocks - 1000)) blocks.* 1000 lost, " || complain "damage $seed: $(tail -n 1 messages)"

@@ -20,7 +20,7 @@ interrupted() {
 	"$sbf2csv" "$@" < <("$BENCH/extend_log" "$log" 0 2> endless) > printed 2> messages &
 	caught $!
 	sleep 0.1
-	[[ $* = *out* || $* = --list ]] || until [ -s printed ]; do sleep 0.01; done
+	[[ $* = *out* || $* = --list ]] || until [ -s printed ] || ! kill -0 $!; do sleep 0.01; done
 	kill -"$signal" $!
 	wait $! || status=$?
 	[ $status = "$wanted" ] || complain "$signal, $*: exit $status"

@@ -21,5 +21,7 @@ int main(int argc, char **argv)
 		return 2;
 	}
 	damage_stream(&s, strtoull(argv[2], NULL, 10), n);
-	return fwrite(s.bytes, 1, s.size, stdout) == s.size && fclose(stdout) == 0 ? 0 : 3;
+	const size_t written = fwrite(s.bytes, 1, s.size, stdout);
+	free_stream(&s);
+	return written == s.size && fclose(stdout) == 0 ? 0 : 3;
 }

@@ -61,7 +61,8 @@ static void compare_column(const char *name, const fw_record_type *type, const v
 static bool is_stray_channel(const fw_record_type *type, const void *record, int i)
 {
 	int sat = fw_record_column(type, "sat", 3);
-	return strcmp(type->columns[i].name, "glonass_channel") == 0 && column_text(type, record, sat)[0] != 'R';
+	return strcmp(type->columns[i].name, "glonass_channel") == 0 &&
+	       column_text(type, record, sat)[0] != 'R';
 }
 
 static void compare_lists(const char *name)

@@ -73,23 +73,23 @@ static void test_known_epoch(void **state)
 {
 	(void)state;
 	static const char hex[] = "2440e5bcbb2f540068a2bf1c3f0902140c050c00"
-				  "010011053ab0343a4af33c01f707009001020002"
-				  "02feb10700004df87f150400"
-				  "03fe80ff0000c7f7ac17bffc"
-				  "031461062ab86a880bbbb30072f0ff77c1010002"
-				  "11fe6c07000081ead815c004"
-				  /* a second Type2 of a signal number that is reserved: passed over */
-				  "12fe6c07000081ead815c004";
+	                          "010011053ab0343a4af33c01f707009001020002"
+	                          "02feb10700004df87f150400"
+	                          "03fe80ff0000c7f7ac17bffc"
+	                          "031461062ab86a880bbbb30072f0ff77c1010002"
+	                          "11fe6c07000081ead815c004"
+	                          /* a second Type2 of a signal number that is reserved: passed over */
+	                          "12fe6c07000081ead815c004";
 	static const struct {
 		const char *sat, *signal;
 		double range_m, carrier_cyc, doppler_hz, cn0_dbhz;
 		int lock_s;
 	} expected[] = {
-		{"G17", "1C", 22451367.994, 117982737.165, 2077.1658, 46.00, 513},
-		{"G17", "2W", 22451366.023, 91934596.232, 1618.5712, 44.25, 254},
-		{"G17", "2L", 22451365.889, 91934596.240, 1618.4875, 42.00, 254},
-		{"E27", "5Q", 28058499.114, 110107573.450, 1177.8827, 39.75, 449},
-		{"E27", "1C", 28058493.611, 147448384.712, 1577.4602, 37.00, 254},
+	    {"G17", "1C", 22451367.994, 117982737.165, 2077.1658, 46.00, 513},
+	    {"G17", "2W", 22451366.023, 91934596.232, 1618.5712, 44.25, 254},
+	    {"G17", "2L", 22451365.889, 91934596.240, 1618.4875, 42.00, 254},
+	    {"E27", "5Q", 28058499.114, 110107573.450, 1177.8827, 39.75, 449},
+	    {"E27", "1C", 28058493.611, 147448384.712, 1577.4602, 37.00, 254},
 	};
 	uint8_t block[256];
 	fw_sbf_channels channels;
@@ -123,8 +123,8 @@ static void test_cut(void **state)
 {
 	(void)state;
 	static const char hex[] = "2440e5bcbb2f400068a2bf1c3f0902140c050c00"
-				  "010011053ab0343a4af33c01f707009001020002"
-				  "02feb10700004df87f15040003fe80ff0000c7f7ac17bffc";
+	                          "010011053ab0343a4af33c01f707009001020002"
+	                          "02feb10700004df87f15040003fe80ff0000c7f7ac17bffc";
 	uint8_t block[256];
 	fw_sbf_channels channels;
 	size_t length = from_hex(hex, block);
@@ -276,7 +276,8 @@ static unsigned random_epoch(fw_random *r, furrow_epoch *e, furrow_obs *o)
 				x->glonass_channel = (int8_t)(channel % 14 - 7);
 			double f = s->frequency_hz + x->glonass_channel * s->channel_spacing_hz;
 			x->pseudorange_m = nearbyint((range_m + uniform(r, -100, 100)) * 1000) / 1000;
-			x->carrier_cyc = x->pseudorange_m / (299792458.0 / f) + nearbyint(uniform(r, -8e6, 8e6)) * 0.001;
+			x->carrier_cyc =
+			    x->pseudorange_m / (299792458.0 / f) + nearbyint(uniform(r, -8e6, 8e6)) * 0.001;
 			x->doppler_hz = nearbyint(doppler_hz * f / 1575.42e6 * 1e4) / 1e4;
 			x->cn0_dbhz = nearbyint(uniform(r, 40, 200)) * 0.25;
 			if (number != 1 && number != 2)
@@ -320,7 +321,8 @@ static void test_encode_random(void **state)
 			if (made[i].sat[0] == 'R' && made[i].signal[0] != '3')
 				assert_int_equal(obs[i].glonass_channel, made[i].glonass_channel);
 		}
-		assert_int_equal(fw_sbf_encode_meas_epoch(&epochs[0], obs, n_obs, again, &length_again), FW_OK);
+		assert_int_equal(fw_sbf_encode_meas_epoch(&epochs[0], obs, n_obs, again, &length_again),
+		                 FW_OK);
 		assert_int_equal(length_again, length);
 		assert_memory_equal(again + 20, block + 20, length - 20U);
 	}
@@ -332,7 +334,9 @@ static void test_encode_refuses(void **state)
 	uint8_t block[256];
 	uint16_t length = 7;
 	furrow_epoch e = {.present = 3};
-	furrow_obs o = {.present = INT64_C(1) << FW_COL_obs_pseudorange_m, .sat = (char[]){"G05"}, .signal = (char[]){"1C"}};
+	furrow_obs o = {.present = INT64_C(1) << FW_COL_obs_pseudorange_m,
+	                .sat = (char[]){"G05"},
+	                .signal = (char[]){"1C"}};
 
 	o.pseudorange_m = 7e7;
 	assert_int_equal(fw_sbf_encode_meas_epoch(&e, &o, 1, block, &length), FW_ERANGE);
@@ -350,10 +354,10 @@ static void test_encode_refuses(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_known_epoch),    cmocka_unit_test(test_cut),
-		cmocka_unit_test(test_absent),         cmocka_unit_test(test_signed_offsets),
-		cmocka_unit_test(test_antennas),       cmocka_unit_test(test_extra),
-		cmocka_unit_test(test_encode_random),  cmocka_unit_test(test_encode_refuses),
+	    cmocka_unit_test(test_known_epoch),   cmocka_unit_test(test_cut),
+	    cmocka_unit_test(test_absent),        cmocka_unit_test(test_signed_offsets),
+	    cmocka_unit_test(test_antennas),      cmocka_unit_test(test_extra),
+	    cmocka_unit_test(test_encode_random), cmocka_unit_test(test_encode_refuses),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
