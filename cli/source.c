@@ -76,6 +76,9 @@ static void note_loss(void *context, const fw_sbf_loss *loss)
 {
 	job *j = context;
 	char block[64] = "block";
+	if (loss->status == FW_ETRUNCATED && tool_interrupted())
+		return; /* not the log's end but ours */
+	j->lost++;
 	if (loss->id != 0)
 		snprintf(block, sizeof block, "block %s%s(%u)", fw_sbf_block_name(loss->id),
 		         fw_sbf_block_name(loss->id)[0] != '\0' ? " " : "", (unsigned)loss->id);
@@ -139,8 +142,7 @@ static fw_status read_sbf(job *j)
 		tool_note(j->t, "%s: no SBF block in it, and it is no stream, table or LCM log either",
 		          j->name);
 	explain(j, &decoder->stats);
-	j->lost += s->blocks_damaged + s->truncated + decoder->stats.malformed + decoder->stats.scrambled +
-	           decoder->stats.no_reference;
+	j->lost += decoder->stats.malformed + decoder->stats.scrambled + decoder->stats.no_reference;
 	fw_sbf_decoder_offered(decoder, &j->totals->offered);
 	j->totals->blocks += s->blocks;
 	j->totals->bytes_skipped += s->bytes_skipped;
