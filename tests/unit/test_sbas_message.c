@@ -1013,7 +1013,7 @@ static void add_record(void *context, fw_kind kind, const void *record)
 /* Lines "week tow PRN type : hex" with 226 bits; what stands for the CRC is its first six bits, or zeros. */
 static void add_file(const char *name, totals *t)
 {
-	char path[4096], line[256], hex[100];
+	char path[4096], line[256];
 	snprintf(path, sizeof path, "%s/sbas/%s", data_directory(), name);
 	gzFile file = gzopen(path, "rb");
 	if (file == NULL) {
@@ -1021,12 +1021,14 @@ static void add_file(const char *name, totals *t)
 		skip();
 	}
 	while (gzgets(file, line, sizeof line) != NULL) {
-		int week, tow, prn;
-		unsigned type;
 		uint8_t message[FW_SBAS_BYTES];
-		char sat[8];
+		char sat[8], *p = line;
+		const int week = (int)strtol(p, &p, 10), tow = (int)strtol(p, &p, 10),
+		          prn = (int)strtol(p, &p, 10);
+		const unsigned type = (unsigned)strtoul(p, &p, 10);
+		char *const hex = p + strspn(p, " :");
 
-		assert_int_equal(sscanf(line, "%d %d %d %u : %99s", &week, &tow, &prn, &type, hex), 5);
+		hex[strcspn(hex, "\r\n")] = '\0';
 		from_hex(hex, message);
 		if ((message[0] != 0x53 && message[0] != 0x9a && message[0] != 0xc6) ||
 		    bits(message, 8, 6) != type)

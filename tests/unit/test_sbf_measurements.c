@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <setjmp.h>
 #include <stdint.h>
-#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -56,9 +56,10 @@ static size_t from_hex(const char *hex, uint8_t *out)
 {
 	size_t n = 0;
 	for (; hex[0] != '\0'; hex += 2) {
-		unsigned byte;
-		assert_int_equal(sscanf(hex, "%2x", &byte), 1);
-		out[n++] = (uint8_t)byte;
+		const char pair[] = {hex[0], hex[1], '\0'};
+		char *end;
+		out[n++] = (uint8_t)strtoul(pair, &end, 16);
+		assert_ptr_equal(end, pair + 2);
 	}
 	return n;
 }
