@@ -437,8 +437,8 @@ static place step(place at, char c)
 /* What ends the input without a line break. A stream's last line has one, so there it is half a row. */
 static fw_status last_row(fw_csv_reader *r, place at, span *row)
 {
-	if (r->pos == r->end)
-		return FW_EOF;
+	if (r->pos == r->end || r->input_status == FW_EIO)
+		return FW_EOF; /* a read that failed or was interrupted says nothing about the row */
 	if (at == QUOTED)
 		return drop_line(r, "a quote that is not closed");
 	if (r->stream || r->input_status != FW_EOF)

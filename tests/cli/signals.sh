@@ -26,6 +26,8 @@ interrupted() {
 	[ $status = "$wanted" ] || complain "$signal, $*: exit $status"
 }
 
+"$sbf2csv" -s "$log" > log.stream 2> messages
+"$sbf2csv" -f lcm "$log" > log.lcm 2> messages
 for signal in INT TERM; do
 	status=$((128 + $(kill -l $signal)))
 	interrupted $signal $status -s
@@ -62,12 +64,17 @@ for signal in INT TERM; do
 		wait $! || status_now=$?
 		[ $status_now = $status ] || complain "$signal, $arguments: exit $status_now"
 	done
-	status_now=0
-	"$sbf2csv" -s < <(cat "$log"; sleep 1) > printed 2> messages &
-	caught $!
-	sleep 0.1
-	kill -$signal $!
-	wait $! || status_now=$?
-	[ $status_now = $status ] || complain "$signal, log that pauses: exit $status_now"
+	# In the midst of a block, a row, an event: it is not the log that ends there, so nothing is lost.
+	for input in "$log" log.stream log.lcm; do
+		status_now=0
+		"$sbf2csv" -s < <(head -c -5 "$input"; sleep 1) > printed 2> messages &
+		caught $!
+		sleep 0.1
+		kill -$signal $!
+		wait $! || status_now=$?
+		[ $status_now = $status ] || complain "$signal, $input that pauses: exit $status_now"
+		tail -n 1 printed | grep -q '^#end status=partial rows=[1-9][0-9]* skipped=0$' ||
+			complain "$signal, $input that pauses: $(tail -n 1 printed)"
+	done
 done
 exit $failed
