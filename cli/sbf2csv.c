@@ -164,11 +164,12 @@ static int write_inventory(int status, const source_totals *totals)
 }
 
 /* Ends the output and says in one line what came of it. */
-static int finish(int status, const source_totals *totals)
+static int finish(int status, source_totals *totals)
 {
 	int interrupted = tool_interrupted();
-	int complete = status == EXIT_COMPLETE && !interrupted && totals->lost == 0;
 	sinks_stop(&sinks);
+	totals->lost += sinks_refused(&sinks);
+	int complete = status == EXIT_COMPLETE && !interrupted && totals->lost == 0;
 	uint64_t rows = sinks_rows(&sinks);
 
 	tool_repeats(&self);

@@ -295,6 +295,19 @@ uint64_t sinks_rows(const sink_set *s)
 	return rows;
 }
 
+uint64_t sinks_refused(const sink_set *s)
+{
+	uint64_t refused = 0;
+	if (s->plan.mode == SINK_LCM)
+		return s->file.writer.lcm.refused;
+	if (s->plan.mode == SINK_TABLE || s->plan.mode == SINK_STREAM)
+		return s->file.writer.csv.refused;
+	for (int kind = 0; kind < FW_RECORD_COUNT; kind++)
+		if (s->split[kind] != NULL)
+			refused += s->split[kind]->writer.csv.refused;
+	return refused;
+}
+
 static fw_status close_file(const tool *t, output *out, int keep)
 {
 	if (out->error == 0 && !keep) {

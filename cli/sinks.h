@@ -61,8 +61,9 @@ int sinks_failed(const sink_set *s);
 /* There will be no more records: waits until all have reached the writer. To be called before the next two. */
 void sinks_stop(sink_set *s);
 
-/* Rows written. */
+/* Rows written, and records that were too long for a row or an event. */
 uint64_t sinks_rows(const sink_set *s);
+uint64_t sinks_refused(const sink_set *s);
 
 /* Writes the end and closes. With `keep` files take their place, without it targets stay as they were.
  * Returns FW_EIO after a message. */
