@@ -297,6 +297,14 @@ static int set_assignment(options *o, char *assignment)
 		fprintf(stderr, "%s: --set: '%s' is not KEY=VALUE\n", o->tool, assignment);
 		return 0;
 	}
+	if (o->has_scenario && o->n_settings == MAX_SETTINGS) {
+		fprintf(stderr, "%s: --set: more than %d of them\n", o->tool, MAX_SETTINGS);
+		return 0;
+	}
+	if (o->has_scenario) {
+		o->settings[o->n_settings++] = assignment;
+		return 1;
+	}
 	*equals = '\0';
 	int ok = set_key(o, "--set: ", assignment, equals + 1);
 	*equals = '=';
@@ -319,7 +327,10 @@ static options_result take(options *o, int i, int pass, char *argument, requests
 		ok = set_value(o, i, "--", o->table[i].type == OPTION_FLAG ? "yes" : argument);
 	else if (which == 1)
 		ok = set_assignment(o, argument);
-	r->print |= which == 2;
+	if (o->has_scenario)
+		o->print_config |= which == 2;
+	else
+		r->print |= which == 2;
 	r->help |= which == 3;
 	r->version |= which == 4;
 	return ok ? OPTIONS_RUN : OPTIONS_WRONG;

@@ -25,7 +25,7 @@ typedef struct {
 	double min, max;      /* for OPTION_NUMBER */
 } option;
 
-enum { MAX_OPTIONS = 64 };
+enum { MAX_OPTIONS = 64, MAX_SETTINGS = 256 };
 
 /* The table and the values in force. */
 typedef struct {
@@ -39,6 +39,11 @@ typedef struct {
 	fw_time time[MAX_OPTIONS];     /* OPTION_TIME */
 	char *kept[MAX_OPTIONS]; /* the text of values from the INI file, also when others are in force */
 	int first_file;          /* index in argv of the first operand */
+	/* A tool whose operand is itself a configuration, with keys of its own, answers --set and --print-config itself. */
+	int has_scenario;
+	int print_config;                   /* --print-config was given */
+	const char *settings[MAX_SETTINGS]; /* arguments of --set */
+	int n_settings;
 } options;
 
 /* What options_parse asks the tool to do. */

@@ -20,8 +20,9 @@ static const option table[] = {
     {"output", 'o', OPTION_TEXT, "FILE", NULL, "write to FILE instead of standard output", 0, 0},
     {"types", 't', OPTION_TEXT, "TYPE[,TYPE]", NULL, "record types wanted", 0, 0},
     {"stream", 's', OPTION_FLAG, NULL, NULL, "write a stream of several types", 0, 0},
-    {"format", 'f', OPTION_CHOICE, "csv|lcm", "csv", "text, or an LCM event log", 0, 0},
-    {"split", 0, OPTION_TEXT, "DIR", NULL, "write one table per type to DIR/TYPE.csv", 0, 0},
+    {"format", 'f', OPTION_CHOICE, "csv|lcm|rinex", "csv",
+     "text, an LCM event log, or RINEX 3 files in --split DIR", 0, 0},
+    {"split", 0, OPTION_TEXT, "DIR", NULL, "write one table per type to DIR/TYPE.csv, or RINEX files", 0, 0},
     {"list", 0, OPTION_FLAG, NULL, NULL, "write an inventory of the blocks instead", 0, 0},
     {"from", 0, OPTION_TIME, "TIME", NULL, "leave out what is before TIME", 0, 0},
     {"until", 0, OPTION_TIME, "TIME", NULL, "leave out what is at TIME and after", 0, 0},
@@ -82,7 +83,9 @@ static int make_plan(sink_plan *sink, source_plan *source)
 	const char *types = options_text(&opts, "types"), *split = options_text(&opts, "split");
 	const char *url = options_text(&opts, "lcm-url"), *antenna = options_text(&opts, "antenna");
 	const char *nav = options_text(&opts, "nav");
-	int stream = options_flag(&opts, "stream"), lcm = strcmp(options_text(&opts, "format"), "lcm") == 0;
+	const char *format = options_text(&opts, "format");
+	int stream = options_flag(&opts, "stream"), lcm = strcmp(format, "lcm") == 0,
+	    rinex = strcmp(format, "rinex") == 0;
 	int n = 0;
 
 	self.quiet = options_flag(&opts, "quiet");
@@ -91,6 +94,7 @@ static int make_plan(sink_plan *sink, source_plan *source)
 	if (types != NULL && (n = parse_types(types, &source->wanted, &sink->table)) == 0)
 		return EXIT_USAGE;
 	sink->mode = url != NULL     ? SINK_PUBLISH
+	             : rinex         ? SINK_RINEX
 	             : split != NULL ? SINK_SPLIT
 	             : lcm           ? SINK_LCM
 	             : stream        ? SINK_STREAM
@@ -101,6 +105,10 @@ static int make_plan(sink_plan *sink, source_plan *source)
 		           "--output, --split and --lcm-url exclude each other; so do --stream and --split");
 		return EXIT_USAGE;
 	}
+	if (rinex && split == NULL) {
+		tool_error(&self, "--format rinex makes several files: --split DIR says where");
+		return EXIT_USAGE;
+	}
 	if (sink->mode == SINK_TABLE && n > 1) {
 		tool_error(&self,
 		           "a table holds one type; add -s for a stream, or --split DIR for one table each");
@@ -108,6 +116,8 @@ static int make_plan(sink_plan *sink, source_plan *source)
 	}
 	if (types == NULL && sink->mode == SINK_TABLE)
 		fw_kind_add(&source->wanted, FW_pvt);
+	else if (types == NULL && rinex)
+		rinex_files_wanted(&source->wanted);
 	else if (types == NULL)
 		all_types(&source->wanted);
 	sink->path = split != NULL ? split : url != NULL ? url : options_text(&opts, "output");

@@ -229,14 +229,20 @@ static fw_status begin(sink_set *s, const sink_plan *plan)
 		}
 		return FW_OK;
 	}
-	if (plan->mode == SINK_SPLIT) {
-		s->writer = (fw_sink){put_split, s};
+	if (plan->mode == SINK_SPLIT || plan->mode == SINK_RINEX) {
 		if (mkdir(plan->path, 0777) != 0 && errno != EEXIST) {
 			tool_error(owner, "%s: %s", plan->path, strerror(errno));
 			return FW_EIO;
 		}
-		return FW_OK;
+		s->writer = (fw_sink){put_split, s};
 	}
+	if (plan->mode == SINK_RINEX) {
+		s->rinex = rinex_files_begin(plan->path, owner);
+		s->writer = (fw_sink){rinex_files_put, s->rinex};
+		return s->rinex != NULL ? FW_OK : FW_EIO;
+	}
+	if (plan->mode == SINK_SPLIT)
+		return FW_OK;
 	return begin_file(s);
 }
 
@@ -271,7 +277,7 @@ void sinks_flush(sink_set *s)
 
 int sinks_failed(const sink_set *s)
 {
-	return s->failed || s->file.out.error != 0;
+	return s->failed || s->file.out.error != 0 || (s->rinex != NULL && rinex_files_failed(s->rinex));
 }
 
 void sinks_stop(sink_set *s)
@@ -287,6 +293,7 @@ uint64_t sinks_rows(const sink_set *s)
 	case SINK_STREAM: return s->file.writer.csv.rows;
 	case SINK_LCM: return s->file.writer.lcm.rows;
 	case SINK_PUBLISH: return s->published;
+	case SINK_RINEX: return s->rinex != NULL ? rinex_files_rows(s->rinex) : 0;
 	case SINK_SPLIT: break;
 	}
 	for (int kind = 0; kind < FW_RECORD_COUNT; kind++)
@@ -351,6 +358,7 @@ fw_status sinks_end(sink_set *s, const tool *t, int complete, uint64_t lost, int
 			tool_error(t, "%s: publishing failed", s->plan.path);
 		return s->failed ? FW_EIO : FW_OK;
 	case SINK_SPLIT: return end_split(s, t, complete, lost, keep);
+	case SINK_RINEX: return rinex_files_end(s->rinex, keep);
 	case SINK_LCM: (void)!fw_lcm_end(&s->file.writer.lcm, complete, lost); break;
 	case SINK_TABLE:
 	case SINK_STREAM: (void)!fw_csv_end(&s->file.writer.csv, complete, lost); break;

@@ -1,4 +1,4 @@
-/* Where a tool's records end up: a table, a stream, an LCM log, a table for each type, or the network. */
+/* Where a tool's records end up: a table, a stream, an LCM log, a table for each type, RINEX files, or the network. */
 #ifndef FURROW_CLI_SINKS_H
 #define FURROW_CLI_SINKS_H
 
@@ -8,9 +8,10 @@
 #include "options.h"
 #include "output.h"
 #include "relay.h"
+#include "rinex_files.h"
 #include "tool.h"
 
-typedef enum { SINK_TABLE, SINK_STREAM, SINK_LCM, SINK_SPLIT, SINK_PUBLISH } sink_mode;
+typedef enum { SINK_TABLE, SINK_STREAM, SINK_LCM, SINK_SPLIT, SINK_RINEX, SINK_PUBLISH } sink_mode;
 
 typedef struct {
 	sink_mode mode;
@@ -36,6 +37,7 @@ typedef struct {
 	fw_sink writer;                    /* behind the filter: the relay */
 	sink_file file;                    /* unless split */
 	sink_file *split[FW_RECORD_COUNT]; /* made when the first record of a type comes */
+	rinex_files *rinex;                /* of a RINEX sink */
 	struct _lcm_t *lcm;                /* when publishing */
 	uint64_t published;
 	int64_t next_publish_ns;

@@ -9,10 +9,21 @@
 #include "formats/csv.h"
 #include "formats/input.h"
 #include "formats/lcm_log.h"
+#include "formats/rinex_nav.h"
+#include "formats/rinex_obs.h"
 #include "formats/sbf_decoder.h"
 #include "formats/sbf_schema.h"
 
-typedef enum { CONTENT_SBF, CONTENT_TEXT, CONTENT_LCM, CONTENT_RINEX } content;
+typedef enum {
+	CONTENT_SBF,
+	CONTENT_TEXT,
+	CONTENT_LCM,
+	CONTENT_RINEX_OBSERVATION,
+	CONTENT_RINEX_NAVIGATION,
+	CONTENT_RINEX_OTHER,
+	CONTENT_ORBITS,   /* SP3 */
+	CONTENT_COMPRESS, /* .Z */
+} content;
 
 /* One file at a time is being read; its readers are large and hold no heap. */
 static struct {
@@ -24,6 +35,8 @@ static struct {
 		} sbf;
 		fw_csv_reader csv;
 		fw_lcm_reader lcm;
+		fw_rinex_obs rinex_obs;
+		fw_rinex_nav rinex_nav;
 	} reader;
 } now;
 
@@ -59,8 +72,17 @@ static content detect(const uint8_t *bytes, size_t n)
 		return CONTENT_TEXT;
 	if (line_contains(bytes, n, "gps_week") && line_contains(bytes, n, "tow_s"))
 		return CONTENT_TEXT;
-	if (line_contains(bytes, n, "RINEX VERSION / TYPE"))
-		return CONTENT_RINEX;
+	switch (fw_rinex_detect(bytes, n)) {
+	case FW_RINEX_OBSERVATION: return CONTENT_RINEX_OBSERVATION;
+	case FW_RINEX_NAVIGATION: return CONTENT_RINEX_NAVIGATION;
+	case FW_RINEX_OTHER: return CONTENT_RINEX_OTHER;
+	case FW_RINEX_NONE: break;
+	}
+	if (n >= 4 && bytes[0] == '#' && bytes[1] >= 'a' && bytes[1] <= 'd' &&
+	    (bytes[2] == 'P' || bytes[2] == 'V'))
+		return CONTENT_ORBITS;
+	if (n >= 2 && bytes[0] == 0x1f && bytes[1] == 0x9d)
+		return CONTENT_COMPRESS;
 	return CONTENT_SBF;
 }
 
@@ -214,7 +236,74 @@ static fw_status read_lcm(job *j)
 	return must_stop(j) ? FW_EOF : status;
 }
 
+/* ---- RINEX ---- */
+
+/* One problem of a file of lines. */
+static void note_problem(const job *j, const fw_rinex_problem *problem)
+{
+	tool_warn(j->t, CAUSE_ROW, "%s:%" PRIu64 ": %s", j->name, problem->line, problem->reason);
+}
+
+static fw_status read_observations(job *j)
+{
+	fw_rinex_obs *r = &now.reader.rinex_obs;
+	fw_any_record record;
+	fw_kind kind;
+	fw_status status = FW_EOF;
+
+	fw_rinex_obs_begin(r, &now.input);
+	while (!must_stop(j)) {
+		status = fw_rinex_obs_read(r, &kind, &record);
+		if (status == FW_OK)
+			put_wanted(j, kind, &record);
+		else if (status != FW_ESYNTAX)
+			break;
+		else
+			note_problem(j, &r->problem);
+		tool_progress_update(&j->progress, (int64_t)now.input.offset);
+	}
+	if (status == FW_EUNKNOWN)
+		note_problem(j, &r->problem);
+	j->lost += r->lost;
+	return must_stop(j) ? FW_EOF : status;
+}
+
+static fw_status read_navigation(job *j)
+{
+	fw_rinex_nav *r = &now.reader.rinex_nav;
+	fw_any_record record;
+	fw_kind kind;
+	fw_status status = FW_EOF;
+
+	fw_rinex_nav_begin(r, &now.input);
+	while (!must_stop(j)) {
+		status = fw_rinex_nav_read(r, &kind, &record);
+		if (status == FW_OK)
+			put_wanted(j, kind, &record);
+		else if (status != FW_ESYNTAX)
+			break;
+		else
+			note_problem(j, &r->problem);
+		tool_progress_update(&j->progress, (int64_t)now.input.offset);
+	}
+	if (status == FW_EUNKNOWN)
+		note_problem(j, &r->problem);
+	if (r->passed_over > 0)
+		tool_note(j->t, "%s: %" PRIu64 " entries of messages that are not decoded passed over",
+		          j->name, r->passed_over);
+	j->lost += r->lost;
+	return must_stop(j) ? FW_EOF : status;
+}
+
 /* ---- a file ---- */
+
+/* A file that is known, but not read here. */
+static fw_status refuse(job *j, const char *why)
+{
+	tool_note(j->t, "%s: %s", j->name, why);
+	j->lost++;
+	return FW_EOF;
+}
 
 static void start_progress(job *j, const char *path)
 {
@@ -240,10 +329,16 @@ static fw_status read_content(job *j, const char *path)
 	case CONTENT_TEXT: status = read_text(j); break;
 	case CONTENT_LCM: status = read_lcm(j); break;
 	case CONTENT_SBF: status = read_sbf(j); break;
-	case CONTENT_RINEX:
-		tool_note(j->t, "%s: RINEX is not read by this tool", j->name);
-		j->lost++;
-		status = FW_EOF;
+	case CONTENT_RINEX_OBSERVATION: status = read_observations(j); break;
+	case CONTENT_RINEX_NAVIGATION: status = read_navigation(j); break;
+	case CONTENT_RINEX_OTHER:
+		status = refuse(j, "neither observations nor navigation of RINEX 2, 3 or 4");
+		break;
+	case CONTENT_ORBITS: status = refuse(j, "precise orbits (SP3) have no records"); break;
+	case CONTENT_COMPRESS:
+		status = refuse(
+		    j,
+		    "compressed with compress(1): use gzip, or uncompress it on the way (zcat FILE | ...)");
 		break;
 	}
 	tool_progress_end(&j->progress);

@@ -140,7 +140,7 @@ static fw_status unpack_d1(const fw_nav_raw *raw, fw_nav_arrival *arrival)
 	return status;
 }
 
-static const fw_nav_message d1_messages[] = {
+static const fw_nav_layout d1_messages[] = {
     {FW_eph_bds, 1 << D1_1 | 1 << D1_2 | 1 << D1_3, 0, FRAME_SLACK_MS, COUNT(d1_ephemeris), d1_ephemeris,
      finish_ephemeris},
     {FW_klobuchar, 1 << D1_1, 0, 0, COUNT(d1_ionosphere), d1_ionosphere, NULL},
@@ -208,7 +208,7 @@ static fw_status unpack_d2(const fw_nav_raw *raw, fw_nav_arrival *arrival)
 	return status;
 }
 
-static const fw_nav_message d2_messages[] = {
+static const fw_nav_layout d2_messages[] = {
     {FW_eph_bds, 0x3ff & ~(1 << D2_2), 0, FRAME_SLACK_MS, COUNT(d2_ephemeris), d2_ephemeris,
      finish_ephemeris},
     {FW_klobuchar, 1 << D2_2, 0, 0, COUNT(d2_ionosphere), d2_ionosphere, NULL},

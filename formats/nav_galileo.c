@@ -176,7 +176,7 @@ static fw_status unpack_inav(const fw_nav_raw *raw, fw_nav_arrival *arrival)
 	return FW_OK;
 }
 
-static const fw_nav_message inav_messages[] = {
+static const fw_nav_layout inav_messages[] = {
     {FW_eph_gal, 1 << WORD_1 | 1 << WORD_2 | 1 << WORD_3 | 1 << WORD_4 | 1 << WORD_5, 0, PAGE_SPREAD_MS,
      COUNT(inav_ephemeris), inav_ephemeris, finish_inav},
     {FW_nequick, 1 << WORD_5, 0, 0, COUNT(inav_nequick), inav_nequick, NULL},
@@ -274,7 +274,7 @@ static fw_status unpack_fnav(const fw_nav_raw *raw, fw_nav_arrival *arrival)
 	return FW_OK;
 }
 
-static const fw_nav_message fnav_messages[] = {
+static const fw_nav_layout fnav_messages[] = {
     {FW_eph_gal, 1 << PAGE_1 | 1 << PAGE_2 | 1 << PAGE_3 | 1 << PAGE_4, 0, PAGE_SPREAD_MS,
      COUNT(fnav_ephemeris), fnav_ephemeris, finish_fnav},
     {FW_nequick, 1 << PAGE_1, 0, 0, COUNT(fnav_nequick), fnav_nequick, NULL},

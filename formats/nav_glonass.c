@@ -181,7 +181,7 @@ static fw_status unpack(const fw_nav_raw *raw, fw_nav_arrival *arrival)
 	return FW_OK;
 }
 
-static const fw_nav_message messages[] = {
+static const fw_nav_layout messages[] = {
     {FW_eph_glo, 1 << STRING_1 | 1 << STRING_2 | 1 << STRING_3 | 1 << STRING_4, 1 << ALMANAC, FRAME_SLACK_MS,
      COUNT(ephemeris), ephemeris, finish_ephemeris},
     {FW_glo_time, 1 << STRING_5 | 1 << STRING_14, 0, 600000, COUNT(time_parameters), time_parameters,

@@ -137,7 +137,7 @@ static fw_status unpack(const fw_nav_raw *raw, fw_nav_arrival *arrival)
 }
 
 /* Subframes are joined by their issue of data; an issue may return after six hours (20.3.4.4). */
-static const fw_nav_message messages[] = {
+static const fw_nav_layout messages[] = {
     {FW_eph_gps, 1 << PAGE_1 | 1 << PAGE_2 | 1 << PAGE_3, 0, 3600000, sizeof ephemeris / sizeof *ephemeris,
      ephemeris, finish_ephemeris},
     {FW_klobuchar, 1 << PAGE_IONO_UTC, 0, 0, sizeof ionosphere / sizeof *ionosphere, ionosphere, NULL},

@@ -98,7 +98,7 @@ static uint64_t fingerprint(fw_kind kind, const void *record)
 
 /* Have all needed pages been received, close enough to each other, and within the last hour? (Almanac data of
  * a satellite that has set must not bring its old ephemeris back.) */
-static bool complete(const fw_nav_message *message, const fw_nav_store *store, int64_t now_ms)
+static bool complete(const fw_nav_layout *message, const fw_nav_store *store, int64_t now_ms)
 {
 	int64_t first = INT64_MAX, last = INT64_MIN;
 
@@ -114,7 +114,7 @@ static bool complete(const fw_nav_message *message, const fw_nav_store *store, i
 	return last - first <= message->within_ms && now_ms - last <= 3600000;
 }
 
-static bool build(const fw_nav_message *message, const fw_nav_store *store, int64_t now_ms, void *record)
+static bool build(const fw_nav_layout *message, const fw_nav_store *store, int64_t now_ms, void *record)
 {
 	for (int i = 0; i < message->n_fields; i++) {
 		const fw_nav_field *field = &message->fields[i];
@@ -138,7 +138,7 @@ static void put_head(fw_kind kind, int64_t now_ms, char *sat, char *source, fw_a
 
 /* Hands the message out unless its content is what was handed out last. Returns false when it cannot be
  * built: its pages do not belong together. */
-static bool emit(const fw_nav_message *message, const fw_nav_arrival *arrival, int64_t now_ms,
+static bool emit(const fw_nav_layout *message, const fw_nav_arrival *arrival, int64_t now_ms,
                  const fw_nav_store *store, uint64_t *sent, const fw_sink *sink)
 {
 	fw_any_record record = {0};
@@ -167,7 +167,7 @@ void fw_nav_take(const fw_nav_system *system, const fw_nav_arrival *arrival, int
 	*kept = arrival->page;
 	store->have |= bit;
 	for (int m = 0; m < system->n_messages; m++) {
-		const fw_nav_message *message = &system->messages[m];
+		const fw_nav_layout *message = &system->messages[m];
 		const uint16_t flag = (uint16_t)(1U << m);
 		if (!((message->pages | message->extra) & bit))
 			continue;

@@ -87,13 +87,13 @@ typedef struct {
 	/* Called with the record, columns of the table filled in: adds what a table cannot say. Returns false
 	 * when the pages do not belong together or mean nothing. NULL: nothing to add. */
 	bool (*finish)(const fw_nav_store *store, int64_t now_ms, void *record);
-} fw_nav_message;
+} fw_nav_layout;
 
 typedef struct {
 	/* Checks a raw page and says which it is. FW_OK (arrival->index may be -1) or FW_ECHECKSUM. */
 	fw_status (*unpack)(const fw_nav_raw *raw, fw_nav_arrival *arrival);
 	int n_messages;
-	const fw_nav_message *messages;
+	const fw_nav_layout *messages;
 } fw_nav_system;
 
 /* Keeps a page and hands out the records that it completes or changes.

@@ -8,7 +8,7 @@ packages=
 for task in "$@"; do
 	case $task in
 	build) packages="$packages gcc libc6-dev make cmake pkg-config zlib1g-dev libinih-dev liblcm-dev liblcm-bin
-		libglib2.0-dev libcmocka-dev" ;;
+		libglib2.0-dev libcmocka-dev gnuplot-nox" ;;
 	test) packages="$packages python3-venv rtklib gdal-bin mandoc" ;;
 	check) packages="$packages clang libclang-rt-14-dev llvm-14 clang-format cppcheck lcov" ;;
 	*) echo "packages.sh: unknown task $task" >&2 && exit 2 ;;

@@ -55,8 +55,17 @@ says "nothing of what was asked for is there"
 head -n 1 table.csv > header.csv
 gives 4 header.csv
 printf '     3.04           OBSERVATION DATA    M: Mixed            RINEX VERSION / TYPE\n' > rinex
-gives 4 rinex
-says "RINEX is not read by this tool"
+gives 4 rinex # a header that never ends
+says "rinex: cut short"
+printf '     3.04           CLOCK DATA          M: Mixed            RINEX VERSION / TYPE\n' > clocks
+gives 4 clocks
+says "neither observations nor navigation"
+printf '#dP2024  1  1\n' > orbits.sp3
+gives 4 orbits.sp3
+says "precise orbits (SP3)"
+printf '\037\235\220' > obs.Z
+gives 4 obs.Z
+says "compressed with compress(1)"
 gives 4 --list zeros
 
 # Part of it is missing: 1, and what there is.

@@ -23,7 +23,7 @@ refused "--types: no type given" -t ''
 refused "a table holds one type; add -s" -t pvt,dop
 refused "--antenna: 'man' is not one of main|aux1|aux2|all" --antenna man
 refused "--nav: 'both|raw' is not one of" --nav 'both|raw'
-refused "--format: 'json' is not one of csv|lcm" -f json
+refused "--format: 'json' is not one of csv|lcm|rinex" -f json
 refused "--every: '0' is not a number from 0.001 to 604800" --every 0
 refused "--every: '1s' is not a number" --every 1s
 refused "--every: 'nan' is not a number" --every nan
