@@ -24,13 +24,14 @@ fail_each -t obs "$log"
 fail_each -s -o out/stream "$log"
 fail_each -f lcm -o out/log "$log"
 fail_each --split out "$log"
+fail_each -f rinex --split out "$log"
 fail_each --list -o out/list "$log"
 fail_each -c settings.ini "$log"
 fail_each -s -o out/stream log.gz
 fail_each --help
 fail_each --print-config -c settings.ini
 
-for mode in "-t obs" "-s" "-f lcm" "--list" "--split tables" "-s --every 1 --from 2000:0"; do
+for mode in "-t obs" "-s" "-f lcm" "--list" "--split tables" "-f rinex --split tables" "-s --every 1 --from 2000:0"; do
 	preload "$sbf2csv" $mode "$log" > /dev/null 2> messages
 	once=$(< count)
 	preload "$sbf2csv" $mode ten.sbf > /dev/null 2> messages

@@ -56,7 +56,7 @@ disturb_each() {
 	done
 }
 
-for arguments in "-t obs -o out/table" "-s -o out/stream" "-f lcm -o out/log" "--list -o out/list" "-t pvt" "--split out"; do
+for arguments in "-t obs -o out/table" "-s -o out/stream" "-f lcm -o out/log" "--list -o out/list" "-t pvt" "--split out" "-f rinex --split out"; do
 	fail_each 8191 $arguments "$log"
 	disturb_each $arguments "$log"
 done
