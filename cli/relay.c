@@ -125,8 +125,11 @@ fw_sink relay_start(relay *r, fw_sink to)
 	r->filled = r->emptied = 0;
 	r->stopping = false;
 	find_strings(r);
-	for (int i = 0; i < RELAY_BATCHES; i++)
+	for (int i = 0; i < RELAY_BATCHES; i++) {
 		r->batch[i].used = 0;
+		memset(r->batch[i].bytes, 0,
+		       RELAY_BATCH); /* ours from the start: memory does not grow later */
+	}
 	pthread_mutex_init(&r->lock, NULL);
 	pthread_cond_init(&r->changed, NULL);
 	sigemptyset(&ours); /* to stop is for the thread that reads; a broken pipe is the writer's */
