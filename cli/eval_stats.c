@@ -84,7 +84,7 @@ static void count_sigmas(const stretch *s, eval_quantity q, eval_row *row)
 {
 	for (size_t i = 0; i < s->n; i++) {
 		double ratio = fabs(s->epoch[i].error[q]) / s->epoch[i].sd[q];
-		row->with_sd += isfinite(ratio);
+		row->with_sd += isfinite(ratio) ? 1 : 0;
 		for (int k = 0; k < 3; k++)
 			row->inside[k] += ratio <= k + 1;
 	}

@@ -68,7 +68,7 @@ static double eccentric_anomaly(double M, double e)
 	double E = m + e < PI ? m + e : PI;
 
 	if (!(m <= PI))
-		return NAN;
+		return (double)NAN;
 	for (int i = 0; i < 60; i++) {
 		const double next = E - (E - e * sin(E) - m) / (1 - e * cos(E));
 

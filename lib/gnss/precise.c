@@ -44,7 +44,7 @@ static void append(fw_time *times, double *values, size_t size, unsigned *n, fw_
 	}
 	newest = values + *n * size;
 	for (size_t i = 0; i < size; i++)
-		newest[i] = NAN;
+		newest[i] = (double)NAN;
 	times[(*n)++] = t;
 }
 

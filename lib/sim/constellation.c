@@ -167,7 +167,7 @@ static satellite shell_satellite(const shell *sh, unsigned k)
 	s.e.kepler.i0 = angle_to_bits(fw_rad_from_deg(sh->inclination_deg), 31);
 	s.e.kepler.omega_dot = angle_to_bits(sh->node_rate_radps, 43);
 	s.e.kepler.delta_n = angle_to_bits(4.4e-9, 43);
-	s.node0_rad = 2 * FW_PI * plane / sh->planes + sh->system;
+	s.node0_rad = 2 * FW_PI * plane / sh->planes + (int)sh->system;
 	s.anomaly0_rad = fw_rad_from_deg(argument_deg) - s.e.kepler.omega;
 	return s;
 }

@@ -346,7 +346,7 @@ static void observe_satellite(fw_receiver *r, const fw_sky *sky, fw_measured *m,
 
 void fw_receiver_init(fw_receiver *r, const fw_receiver_setup *setup, uint64_t seed)
 {
-	*r = (fw_receiver){.setup = *setup, .last_t_s = NAN};
+	*r = (fw_receiver){.setup = *setup, .last_t_s = (double)NAN};
 	fw_random_init(&r->random, seed);
 	uint64_t own = fw_random_u64(&r->random);
 	for (unsigned i = 0; i < FW_SKY_SATELLITES; i++)

@@ -235,7 +235,7 @@ const fw_ephemeris *fw_sky_broadcast(const fw_sky *sky, unsigned i, fw_time t)
 {
 	const fw_sky_satellite *s = &sky->satellite[i];
 	const fw_ephemeris *best = NULL;
-	double nearest = INFINITY;
+	double nearest = (double)INFINITY;
 	for (unsigned k = 0; k < s->n; k++) {
 		double age = fw_time_diff_s(t, s->ephemerides[k].toe);
 		if (s->satellite.system == FW_GALILEO && age < 0)
