@@ -428,12 +428,21 @@ fw_status ephemeris_store_state(void *context, const fw_ephemeris *e, fw_time t,
 	return FW_OK;
 }
 
+/* Only what has been used is cleared: the rest has not cost any memory so far. */
 void ephemeris_store_free(ephemeris_store *store)
 {
-	for (unsigned i = 0; i < FW_SATELLITE_COUNT; i++)
-		for (int j = 0; j < EPHEMERIS_MESSAGES; j++)
+	for (unsigned i = 0; i < FW_SATELLITE_COUNT; i++) {
+		for (int j = 0; j < EPHEMERIS_MESSAGES; j++) {
+			if (store->lists[i][j].list == NULL)
+				continue;
 			free(store->lists[i][j].list);
-	*store = (ephemeris_store){0};
+			store->lists[i][j] = (ephemeris_list){0};
+			store->arcs[i].there = false;
+		}
+	}
+	store->iono = (fw_iono_coefficients){0};
+	store->taken = store->refused = 0;
+	store->no_memory = false;
 }
 
 void ephemeris_kinds(fw_kind_set *kinds)

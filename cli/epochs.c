@@ -15,10 +15,15 @@ static unsigned bits_of(int64_t present)
 	       (present >> FW_COL_obs_lock_s & 1 ? FW_HAS_LOCK : 0U);
 }
 
-static fw_status take(const furrow_obs *r, fw_satellite s, fw_observation *o)
+static bool has_signal(const furrow_obs *r)
 {
-	if (r->signal == NULL || strlen(r->signal) != 2)
-		return FW_EINVAL;
+	const char *signal = r->signal;
+	return signal != NULL && signal[0] != '\0' && signal[1] != '\0' && signal[2] == '\0';
+}
+
+/* Of a record that has a signal. */
+static inline void take(const furrow_obs *r, fw_satellite s, fw_observation *o)
+{
 	*o = (fw_observation){
 	    .satellite = s,
 	    .signal = {r->signal[0], r->signal[1]},
@@ -33,16 +38,16 @@ static fw_status take(const furrow_obs *r, fw_satellite s, fw_observation *o)
 	    .cn0_dbhz = r->cn0_dbhz,
 	    .lock_s = r->lock_s,
 	};
-	return FW_OK;
 }
 
 fw_status observation_of_record(const void *record, fw_observation *o)
 {
 	const furrow_obs *r = record;
 	fw_satellite s;
-	if (r->sat == NULL || fw_satellite_parse(r->sat, &s) != FW_OK)
+	if (r->sat == NULL || fw_satellite_parse(r->sat, &s) != FW_OK || !has_signal(r))
 		return FW_EINVAL;
-	return take(r, s, o);
+	take(r, s, o);
+	return FW_OK;
 }
 
 void epochs_begin(epochs *e, void (*ready)(void *context, const fw_epoch *epoch), void *context)
@@ -59,14 +64,14 @@ void epochs_flush(epochs *e)
 	e->epoch.n = 0;
 }
 
-/* Puts an observation behind those of its satellite. */
-static void add(epochs *e, const fw_observation *o)
+/* Room for an observation behind those of its satellite; NULL: there is none. */
+static fw_observation *make_room(epochs *e, fw_satellite s)
 {
 	fw_epoch *epoch = &e->epoch;
-	uint16_t *after = &e->after[fw_satellite_index(o->satellite)];
+	uint16_t *after = &e->after[fw_satellite_index(s)];
 	if (epoch->n == FW_EPOCH_MAX) {
 		e->overflowed++;
-		return;
+		return NULL;
 	}
 	const unsigned at = *after != 0 ? *after : epoch->n;
 	if (at < epoch->n) { /* a receiver that does not keep a satellite's rows together */
@@ -74,9 +79,19 @@ static void add(epochs *e, const fw_observation *o)
 		for (unsigned i = 0; i < FW_SATELLITE_COUNT; i++)
 			e->after[i] = (uint16_t)(e->after[i] + (e->after[i] > at));
 	}
-	epoch->obs[at] = *o;
 	epoch->n++;
 	*after = (uint16_t)(at + 1);
+	return &epoch->obs[at];
+}
+
+/* strcmp() == 0 without a call: names are short, and there is one for each row. */
+static bool is_same(const char *a, const char *b)
+{
+	while (*a == *b && *a != '\0') {
+		a++;
+		b++;
+	}
+	return *a == *b;
 }
 
 /* The satellite of a row: most often that of the row before. */
@@ -84,7 +99,7 @@ static bool find_satellite(epochs *e, const char *name)
 {
 	if (name == NULL)
 		return false;
-	if (strcmp(name, e->last_name) == 0)
+	if (is_same(name, e->last_name))
 		return true;
 	if (strlen(name) >= sizeof e->last_name || fw_satellite_parse(name, &e->last) != FW_OK)
 		return false;
@@ -112,16 +127,17 @@ void epochs_put(void *context, fw_kind kind, const void *record)
 {
 	epochs *e = context;
 	const furrow_obs *r = record;
-	fw_observation o;
 	fw_time t;
 	if (kind != FW_obs || r->antenna != 0)
 		return;
-	if (!find_time(e, r, &t) || !find_satellite(e, r->sat) || take(r, e->last, &o) != FW_OK) {
+	if (!find_time(e, r, &t) || !find_satellite(e, r->sat) || !has_signal(r)) {
 		e->refused++;
 		return;
 	}
 	if (e->epoch.n > 0 && t.ns != e->epoch.time.ns)
 		epochs_flush(e);
 	e->epoch.time = t;
-	add(e, &o);
+	fw_observation *o = make_room(e, e->last);
+	if (o != NULL)
+		take(r, e->last, o);
 }

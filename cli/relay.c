@@ -41,7 +41,8 @@ static void *run(void *context)
 		pthread_mutex_lock(&r->lock);
 		r->batch[i].used = 0;
 		r->emptied++;
-		pthread_cond_broadcast(&r->changed);
+		if (r->filled - r->emptied <= RELAY_BATCHES / 2)
+			pthread_cond_broadcast(&r->changed);
 	}
 	pthread_mutex_unlock(&r->lock);
 	return NULL;
@@ -52,7 +53,8 @@ static void hand_over(relay *r)
 {
 	pthread_mutex_lock(&r->lock);
 	r->filled++;
-	pthread_cond_broadcast(&r->changed);
+	if (r->filled - r->emptied >= RELAY_BATCHES / 2)
+		pthread_cond_broadcast(&r->changed);
 	while (r->filled - r->emptied == RELAY_BATCHES)
 		pthread_cond_wait(&r->changed, &r->lock);
 	pthread_mutex_unlock(&r->lock);
@@ -69,53 +71,74 @@ static void find_strings(relay *r)
 	}
 }
 
-/* What an item needs, strings included. */
-static size_t item_length(const relay *r, fw_kind kind, const char *record)
+/* What an item needs, strings included; the length of each of these, with its end, is left in lengths. NULL: 0. */
+static size_t item_length(const relay *r, fw_kind kind, const char *record, size_t lengths[RELAY_STRINGS])
 {
 	size_t n = ITEM + fw_record_type_of(kind)->size;
 	for (unsigned i = 0; i < r->strings[kind].n; i++) {
 		const char *text;
 		memcpy(&text, record + r->strings[kind].member[i], sizeof text);
-		n += text != NULL ? strlen(text) + 1 : 0;
+		lengths[i] = text != NULL ? strlen(text) + 1 : 0;
+		n += lengths[i];
 	}
 	return aligned(n);
 }
 
-static void put_item(const relay *r, char *p, fw_kind kind, const char *record, size_t length)
+/* A record's struct at `copy`, its strings behind it. */
+static void put_record(const relay *r, char *copy, fw_kind kind, const char *record,
+                       const size_t lengths[RELAY_STRINGS])
 {
-	const item it = {kind, (uint32_t)length};
 	const size_t size = fw_record_type_of(kind)->size;
-	char *copy = p + ITEM, *text = copy + size;
-	memcpy(p, &it, sizeof it);
+	char *text = copy + size;
 	memcpy(copy, record, size);
 	for (unsigned i = 0; i < r->strings[kind].n; i++) {
 		const char *from;
 		char *member = copy + r->strings[kind].member[i];
-		memcpy(&from, member, sizeof from);
-		if (from == NULL)
+		if (lengths[i] == 0)
 			continue;
-		size_t n = strlen(from) + 1;
+		memcpy(&from, member, sizeof from);
 		memcpy(member, &text, sizeof text);
-		memcpy(text, from, n);
-		text += n;
+		memcpy(text, from, lengths[i]);
+		text += lengths[i];
 	}
+}
+
+/* Room for an item of this length, its head filled in; NULL: it is larger than any batch, and all before it has come out
+ * at the other end. */
+static char *begin_item(relay *r, fw_kind kind, size_t length)
+{
+	const item it = {kind, (uint32_t)length};
+	if (length > RELAY_BATCH) {
+		relay_drain(r);
+		return NULL;
+	}
+	if (length > RELAY_BATCH - r->batch[r->filled % RELAY_BATCHES].used)
+		hand_over(r);
+	const unsigned i = r->filled % RELAY_BATCHES;
+	char *p = r->batch[i].bytes + r->batch[i].used;
+	r->batch[i].used += length;
+	memcpy(p, &it, sizeof it);
+	return p + ITEM;
 }
 
 static void put(void *context, fw_kind kind, const void *record)
 {
 	relay *r = context;
-	size_t length = item_length(r, kind, record);
-
-	if (length > RELAY_BATCH) { /* larger than any batch: by hand */
-		relay_drain(r);
+	size_t lengths[RELAY_STRINGS];
+	char *room = begin_item(r, kind, item_length(r, kind, record, lengths));
+	if (room != NULL)
+		put_record(r, room, kind, record, lengths);
+	else
 		r->to.put(r->to.context, kind, record);
-		return;
-	}
-	if (length > RELAY_BATCH - r->batch[r->filled % RELAY_BATCHES].used)
-		hand_over(r);
-	unsigned i = r->filled % RELAY_BATCHES;
-	put_item(r, r->batch[i].bytes + r->batch[i].used, kind, record, length);
-	r->batch[i].used += length;
+}
+
+void relay_bytes(relay *r, const void *bytes, size_t n)
+{
+	char *room = begin_item(r, FW_RECORD_COUNT, aligned(ITEM + n));
+	if (room != NULL)
+		memcpy(room, bytes, n);
+	else
+		r->to.put(r->to.context, FW_RECORD_COUNT, bytes);
 }
 
 fw_sink relay_start(relay *r, fw_sink to)
@@ -125,11 +148,8 @@ fw_sink relay_start(relay *r, fw_sink to)
 	r->filled = r->emptied = 0;
 	r->stopping = false;
 	find_strings(r);
-	for (int i = 0; i < RELAY_BATCHES; i++) {
+	for (int i = 0; i < RELAY_BATCHES; i++)
 		r->batch[i].used = 0;
-		memset(r->batch[i].bytes, 0,
-		       RELAY_BATCH); /* ours from the start: memory does not grow later */
-	}
 	pthread_mutex_init(&r->lock, NULL);
 	pthread_cond_init(&r->changed, NULL);
 	sigemptyset(&ours); /* to stop is for the thread that reads; a broken pipe is the writer's */
@@ -148,6 +168,7 @@ void relay_drain(relay *r)
 	if (r->batch[r->filled % RELAY_BATCHES].used > 0)
 		hand_over(r);
 	pthread_mutex_lock(&r->lock);
+	pthread_cond_broadcast(&r->changed);
 	while (r->emptied != r->filled)
 		pthread_cond_wait(&r->changed, &r->lock);
 	pthread_mutex_unlock(&r->lock);

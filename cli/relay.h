@@ -8,9 +8,11 @@
 
 #include "formats/record.h"
 
-enum { RELAY_BATCHES = 4, RELAY_BATCH = 256 * 1024 };
+/* Together they stay in a core's cache. To wake the other thread takes longer than a batch: a thread that waits is woken
+ * when half of them are there for it. */
+enum { RELAY_BATCHES = 8, RELAY_BATCH = 16 * 1024, RELAY_STRINGS = 16 };
 
-/* Owned by the caller: 1 MiB, static. */
+/* Owned by the caller: 256 KiB, static. */
 typedef struct {
 	fw_sink to;
 	bool running;
@@ -21,7 +23,7 @@ typedef struct {
 	bool stopping;
 	struct {
 		uint8_t n;
-		uint16_t member[16]; /* offsets in the struct [bytes] */
+		uint16_t member[RELAY_STRINGS]; /* offsets in the struct [bytes] */
 	} strings[FW_RECORD_COUNT];
 	struct {
 		size_t used;
@@ -32,6 +34,9 @@ typedef struct {
 /* Starts the thread. Returns where records are to be put: into the relay, or, if there can be no thread, into `to`
  * itself. From here to relay_stop() only the thread may touch what is behind `to`, save just after relay_drain(). */
 fw_sink relay_start(relay *r, fw_sink to);
+
+/* Puts n bytes that are no record, between the records: they come out as kind FW_RECORD_COUNT. The relay must be running. */
+void relay_bytes(relay *r, const void *bytes, size_t n);
 
 /* Waits until all records put so far have come out at the other end. */
 void relay_drain(relay *r);

@@ -2,6 +2,7 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -62,7 +63,7 @@ static options opts = {
 };
 static tool self = {.name = "virtualite-ls"};
 static sink_set sinks;
-static relay solver; /* between reading and solving */
+static relay solver; /* from reading to solving */
 static ephemeris_store store;
 static epochs rows;
 static fw_signal_choice signals;
@@ -75,7 +76,8 @@ static struct {
 	bool pass_on;       /* a stream: what was read goes on */
 	const fw_time *from, *until;
 	int64_t every_ns;
-	fw_sink to;
+	fw_sink onward; /* to the solver */
+	fw_sink to;     /* from there */
 	uint64_t epochs, failed[FW_SP_NO_CONVERGENCE + 1];
 } run;
 
@@ -97,14 +99,15 @@ static void put(fw_kind kind, const void *record)
 /* The position at the time tag itself: the receiver was there `clock` before its clock said so. */
 static void position_at_tag(const fw_solution *s, fw_time tag, double llh[3])
 {
-	double C_e_n[3][3], v[3], ecef[3];
+	const double dt_s = fw_time_diff_s(tag, s->time);
 	memcpy(llh, s->llh, sizeof s->llh);
-	if (!s->has_velocity)
+	if (!s->has_velocity || dt_s == 0)
 		return;
+	double C_e_n[3][3], v[3], ecef[3];
 	fw_frame_ned(s->llh[0], s->llh[1], C_e_n);
 	fw_mat3_vec(C_e_n, s->velocity_mps, v);
 	for (int i = 0; i < 3; i++)
-		ecef[i] = s->position_m[i] + v[i] * fw_time_diff_s(tag, s->time);
+		ecef[i] = s->position_m[i] + v[i] * dt_s;
 	(void)!fw_ecef_to_llh(ecef, llh);
 }
 
@@ -216,13 +219,12 @@ static bool is_kept(fw_time t)
 	return run.every_ns == 0 || t.ns % FW_NS_PER_WEEK % run.every_ns == 0;
 }
 
-static void solve(void *unused, const fw_epoch *epoch)
+static void solve(const fw_epoch *epoch)
 {
 	static fw_solution s;
 	const fw_ephemeris_source source = {ephemeris_store_find, &store, ephemeris_store_state};
 	int week;
 	double tow_s, llh[3];
-	(void)unused;
 	if (!is_kept(epoch->time))
 		return;
 	fw_single_point_status status =
@@ -248,14 +250,38 @@ static void solve(void *unused, const fw_epoch *epoch)
 
 /* ---- reading ---- */
 
-/* A record that was read. The epoch that it ends is solved before it goes on, so that the output is in time order. */
+/* One core reads and gathers observations to epochs, another one solves them. From the one to the other, in this order,
+ * go epochs, and the records that somebody needs besides. */
+
+/* At the solver's end. */
 static void take(void *unused, fw_kind kind, const void *record)
 {
 	(void)unused;
-	epochs_put(&rows, kind, record);
+	if (kind == FW_RECORD_COUNT) {
+		solve(record);
+		return;
+	}
 	ephemeris_store_put(&store, kind, record);
 	if (run.pass_on || kind == FW_meta)
 		put(kind, record);
+}
+
+static void send_epoch(void *unused, const fw_epoch *epoch)
+{
+	(void)unused;
+	if (solver.running)
+		relay_bytes(&solver, epoch, offsetof(fw_epoch, obs) + epoch->n * sizeof epoch->obs[0]);
+	else
+		solve(epoch);
+}
+
+/* A record that was read. The epoch that it ends goes before it, so that the output is in time order. */
+static void read_record(void *unused, fw_kind kind, const void *record)
+{
+	(void)unused;
+	epochs_put(&rows, kind, record);
+	if (run.pass_on || kind != FW_obs)
+		run.onward.put(run.onward.context, kind, record);
 }
 
 /* What a file is, from its first bytes. Nothing is known of what cannot be read twice. */
@@ -313,10 +339,11 @@ static int read_observations(int n, char **files, const source_plan *plan, sourc
 		bool twice;
 		if (kind_of_file(files[i], &twice) == FW_RINEX_NAVIGATION)
 			continue;
-		/* One core reads, another one solves; but a live receiver's epochs shall not wait for a batch to fill. */
-		const fw_sink to =
-		    twice ? relay_start(&solver, (fw_sink){take, NULL}) : (fw_sink){take, NULL};
-		int status = source_read(&self, files[i], plan, to, totals);
+		/* A live receiver's epochs shall not wait for a batch to fill. */
+		run.onward = (fw_sink){take, NULL};
+		if (twice)
+			run.onward = relay_start(&solver, run.onward);
+		int status = source_read(&self, files[i], plan, (fw_sink){read_record, NULL}, totals);
 		relay_stop(&solver);
 		worst = status > worst ? status : worst;
 	}
@@ -339,31 +366,6 @@ static int read_all(int n, char **files, const source_plan *plan, source_totals 
 }
 
 /* ---- options ---- */
-
-/* "pos,nav" to a set. Returns the number of types, 0 after a message. */
-static int parse_types(const char *text, fw_kind *first)
-{
-	static const fw_kind computed[] = {FW_pos, FW_nav, FW_dop, FW_residual};
-	int n = 0;
-	for (const char *p = text; *p != '\0';) {
-		const size_t length = strcspn(p, ",");
-		const fw_kind kind = fw_record_find(p, length);
-		bool known = false;
-		for (size_t i = 0; i < sizeof computed / sizeof computed[0]; i++)
-			known |= computed[i] == kind;
-		if (!known) {
-			tool_error(&self, "--types: '%.*s' is not one of pos, nav, dop, residual",
-			           (int)length, p);
-			return 0;
-		}
-		if (n == 0)
-			*first = kind;
-		n += !fw_kind_in(&run.wanted, kind);
-		fw_kind_add(&run.wanted, kind);
-		p += length + (p[length] == ',');
-	}
-	return n;
-}
 
 static int parse_systems(const char *letters, unsigned *systems)
 {
@@ -440,7 +442,9 @@ static int make_plan(sink_plan *sink, source_plan *source)
 {
 	const int stream = options_flag(&opts, "stream"),
 	          lcm = strcmp(options_text(&opts, "format"), "lcm") == 0;
-	const int n = parse_types(options_text(&opts, "types"), &sink->table);
+	static const fw_kind computed[] = {FW_pos, FW_nav, FW_dop, FW_residual};
+	const int n = sinks_parse_types(&self, options_text(&opts, "types"), computed,
+	                                sizeof computed / sizeof computed[0], &run.wanted, &sink->table);
 	self.quiet = options_flag(&opts, "quiet");
 	self.verbose = options_flag(&opts, "verbose");
 	if (n == 0 || !make_solver())
@@ -507,16 +511,6 @@ static int finish(int status, const source_totals *totals)
 	return complete ? EXIT_COMPLETE : EXIT_PARTIAL;
 }
 
-/* --help and the like have been printed; has it arrived? */
-static int end_answer(void)
-{
-	int failed = ferror(stdout);
-	if (fclose(stdout) == 0 && !failed)
-		return EXIT_COMPLETE;
-	tool_error(&self, "standard output: %s", strerror(errno));
-	return EXIT_IO;
-}
-
 int main(int argc, char **argv)
 {
 	sink_plan to = {0};
@@ -525,7 +519,7 @@ int main(int argc, char **argv)
 
 	tool_hold_standard_streams();
 	switch (options_parse(&opts, argc, argv)) {
-	case OPTIONS_DONE: return end_answer();
+	case OPTIONS_DONE: return tool_end_answer(&self);
 	case OPTIONS_WRONG: return EXIT_USAGE;
 	case OPTIONS_FAILED: return EXIT_IO;
 	case OPTIONS_RUN: break;
@@ -537,6 +531,6 @@ int main(int argc, char **argv)
 		return tool_interrupted() ? tool_die_of(tool_interrupted()) : EXIT_IO;
 	from.sinks = &sinks;
 	run.to = sinks_head(&sinks);
-	epochs_begin(&rows, solve, NULL);
+	epochs_begin(&rows, send_epoch, NULL);
 	return finish(read_all(argc - opts.first_file, argv + opts.first_file, &from, &totals), &totals);
 }

@@ -1,5 +1,6 @@
 #include "formats/rinex_obs.h"
 
+#include <endian.h>
 #include <math.h>
 #include <string.h>
 
@@ -607,32 +608,79 @@ static bool get_slowly(const char *p, double *x)
 	return memchr(p, '.', (size_t)(end - p)) != NULL && fw_get_double(p, (size_t)(end - p), x) == FW_OK;
 }
 
+/* Eight characters as one number, the first in its lowest byte. */
+static inline uint64_t load_8(const char *p)
+{
+	uint64_t x;
+	memcpy(&x, p, sizeof x);
+	return le64toh(x);
+}
+
+static inline bool are_digits(uint64_t x)
+{
+	const uint64_t high = 0xF0F0F0F0F0F0F0F0, zeros = 0x3030303030303030, to_ten = 0x0606060606060606;
+	return (x & high) == zeros && ((x + to_ten) & high) == zeros;
+}
+
+/* The number of eight digits: neighbours are made pairs, pairs fours, fours eight. Source: D. Lemire, "Number parsing at a
+ * gigabyte per second", Software: Practice and Experience 51 (2021). */
+static inline uint64_t value_of_8(uint64_t x)
+{
+	const uint64_t mask = 0x000000FF000000FF;
+	x -= 0x3030303030303030;
+	x = x * 10 + (x >> 8);
+	return ((x & mask) * (100 + (UINT64_C(1000000) << 32)) +
+	        (x >> 16 & mask) * (1 + (UINT64_C(10000) << 32))) >>
+	       32;
+}
+
+/* A point and three digits: these in thousandths; anything from 1000 on when it is something else. */
+static inline uint64_t get_decimals(const char *p)
+{
+	uint32_t x;
+	memcpy(&x, p, sizeof x);
+	x = le32toh(x) ^ 0x3030302E;
+	if ((x & 0xF0F0F0FF) != 0 || ((x + 0x06060600) & 0xF0F0F000) != 0)
+		return 1000;
+	return 10 * (10 * (x >> 8 & 15) + (x >> 16 & 15)) + (x >> 24);
+}
+
+/* What most numbers look like, the 14 columns at p: blanks, a sign, up to nine digits, a point, three digits. Columns 2 to 9
+ * are done at once. What they begin with, blanks and a sign, differs from digits in bit 4. Returns false when it is
+ * something else. */
+static inline bool get_quickly(const char *p, double *x)
+{
+	const uint64_t blanks = 0x2020202020202020, zeros = 0x3030303030303030,
+	               digit_bits = 0x1010101010101010;
+	uint64_t whole = load_8(p + 2);
+	const unsigned lead =
+	    (unsigned)__builtin_ctzll((whole & digit_bits) | UINT64_C(1) << 63) & ~7U; /* bits */
+	const uint64_t in_lead = (UINT64_C(1) << lead) - 1;
+	const uint64_t sign = (whole ^ blanks) & in_lead;
+	whole = (whole & ~in_lead) | (zeros & in_lead);
+	const uint64_t value = value_of_8(whole), decimals = get_decimals(p + 10);
+	if (!are_digits(whole) || decimals >= 1000 || p[0] != ' ')
+		return false;
+
+	uint64_t front = 0;
+	bool negative = sign != 0;
+	if (negative && sign << 8 != (uint64_t)('-' ^ ' ') << lead)
+		return false;
+	if (p[1] != ' ') {
+		negative = p[1] == '-';
+		front = negative ? 0 : (uint64_t)((unsigned)p[1] - '0');
+		if (lead > 0 || front > 9)
+			return false;
+	}
+	const int64_t thousandths = (int64_t)((front * 100000000 + value) * 1000 + decimals);
+	*x = (double)(negative ? -thousandths : thousandths) / 1000;
+	return true;
+}
+
 /* The 14 columns of a number; blanks are 0. */
 static inline bool get_number(const char *p, double *x)
 {
-	uint64_t value = 0; /* anything when a character is no digit */
-	unsigned wrong = 0;
-	int i = 0;
-
-	if (p[10] != '.')
-		return get_slowly(p, x);
-	while (i < 10 && p[i] == ' ')
-		i++;
-	const bool negative = p[i] == '-';
-	for (i += negative; i < 10; i++) {
-		const unsigned digit = (unsigned)p[i] - '0';
-		wrong |= digit > 9;
-		value = value * 10 + digit;
-	}
-	for (i = 11; i < NUMBER; i++) {
-		const unsigned digit = (unsigned)p[i] - '0';
-		wrong |= digit > 9;
-		value = value * 10 + digit;
-	}
-	if (wrong)
-		return get_slowly(p, x);
-	*x = (double)(negative ? -(int64_t)value : (int64_t)value) / 1000;
-	return true;
+	return get_quickly(p, x) || get_slowly(p, x);
 }
 
 /* A number that the line ends in: only blanks will do. */

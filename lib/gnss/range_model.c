@@ -35,12 +35,24 @@ static bool has_band(const fw_observation *const *chosen, unsigned n, char band)
 	return false;
 }
 
+/* How many bands the observations are on, counted up to FW_RANGE_CODES. */
+static unsigned count_bands(const fw_observation *obs, unsigned n)
+{
+	const fw_observation *first[FW_RANGE_CODES];
+	unsigned found = 0;
+	for (unsigned i = 0; i < n && found < FW_RANGE_CODES; i++)
+		if (!has_band(first, found, obs[i].signal.band))
+			first[found++] = &obs[i];
+	return found;
+}
+
 /* The codes to be used of the n observations of one satellite, in order of preference. Returns how many. */
 static unsigned choose(const fw_observation *obs, unsigned n, const fw_signal choice[FW_SIGNAL_CHOICES],
                        const fw_observation *chosen[FW_RANGE_CODES])
 {
+	const unsigned bands = count_bands(obs, n);
 	unsigned found = 0;
-	for (unsigned j = 0; j < FW_SIGNAL_CHOICES && choice[j].band != 0 && found < FW_RANGE_CODES; j++) {
+	for (unsigned j = 0; j < FW_SIGNAL_CHOICES && choice[j].band != 0 && found < bands; j++) {
 		if (has_band(chosen, found, choice[j].band))
 			continue;
 		for (unsigned i = 0; i < n; i++) {
@@ -103,8 +115,10 @@ static void add_code(fw_range *r, const fw_observation *o, const fw_ephemeris *e
 static void add_rate(fw_range *r, const fw_observation *o, const fw_ephemeris *e,
                      const fw_satellite_state *state)
 {
+	if (r->has_rate || (o->has & FW_HAS_DOPPLER) == 0)
+		return;
 	const double f = frequency_hz(o, e);
-	if (r->has_rate || (o->has & FW_HAS_DOPPLER) == 0 || !(f > 0))
+	if (!(f > 0))
 		return;
 	r->has_rate = true;
 	r->rate_mps = FW_SPEED_OF_LIGHT_MPS * (state->drift_sps - o->doppler_hz / f);
