@@ -9,10 +9,18 @@
 #define SOMIGLIANA_K    0.00193185265241 /* Somigliana's constant */
 #define GRAVITY_M       0.00344978650684 /* omega^2 a^2 b / GM */
 
+double fw_gravity_at(double sin2_lat, double height_m, double *decrease_per_m)
+{
+	const double s = sin2_lat, x = height_m / FW_WGS84_A;
+	const double surface = GRAVITY_EQUATOR * (1 + SOMIGLIANA_K * s) / sqrt(1 - FW_WGS84_E2 * s);
+	const double slope = 2 * (1 + FW_WGS84_F + GRAVITY_M - 2 * FW_WGS84_F * s);
+
+	*decrease_per_m = surface * (slope - 6 * x) / FW_WGS84_A;
+	return surface * (1 - slope * x + 3 * x * x);
+}
+
 double fw_gravity_mps2(double lat_rad, double height_m)
 {
-	double s = sin(lat_rad) * sin(lat_rad), x = height_m / FW_WGS84_A;
-	double surface = GRAVITY_EQUATOR * (1 + SOMIGLIANA_K * s) / sqrt(1 - FW_WGS84_E2 * s);
-
-	return surface * (1 - 2 * (1 + FW_WGS84_F + GRAVITY_M - 2 * FW_WGS84_F * s) * x + 3 * x * x);
+	double s = sin(lat_rad), decrease;
+	return fw_gravity_at(s * s, height_m, &decrease);
 }

@@ -12,4 +12,7 @@
  * NaN gives NaN. Source: NGA.STND.0036_1.0.0_WGS84, equations 4.1 and 4.3. */
 double fw_gravity_mps2(double lat_rad, double height_m);
 
+/* The same for someone who has the sine of the latitude at hand, with the decrease of gravity per metre of height [1/s^2]. */
+double fw_gravity_at(double sin2_lat, double height_m, double *decrease_per_m);
+
 #endif
