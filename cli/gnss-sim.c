@@ -740,21 +740,11 @@ static int simulate(void)
 	return status;
 }
 
-/* What was printed has to arrive. */
-static int end_answer(void)
-{
-	int failed = ferror(stdout);
-	if (fclose(stdout) == 0 && !failed)
-		return EXIT_COMPLETE;
-	tool_error(&self, "standard output: %s", strerror(errno));
-	return EXIT_IO;
-}
-
 int main(int argc, char **argv)
 {
 	tool_hold_standard_streams();
 	switch (options_parse(&opts, argc, argv)) {
-	case OPTIONS_DONE: return end_answer();
+	case OPTIONS_DONE: return tool_end_answer(&self);
 	case OPTIONS_WRONG: return EXIT_USAGE;
 	case OPTIONS_FAILED: return EXIT_IO;
 	case OPTIONS_RUN: break;
@@ -770,7 +760,7 @@ int main(int argc, char **argv)
 		return status;
 	if (opts.print_config) {
 		scenario_print(&sim.s, stdout);
-		return end_answer();
+		return tool_end_answer(&self);
 	}
 	const char *folder = options_text(&opts, "output");
 	if (folder == NULL ||

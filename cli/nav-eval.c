@@ -423,21 +423,11 @@ static void summarise(void)
 	          all.truth_series.n, epochs, all.totals.lost);
 }
 
-/* --help and the like have been printed; has it arrived? */
-static int end_answer(void)
-{
-	int failed = ferror(stdout);
-	if (fclose(stdout) == 0 && !failed)
-		return EXIT_COMPLETE;
-	tool_error(&self, "standard output: %s", strerror(errno));
-	return EXIT_IO;
-}
-
 int main(int argc, char **argv)
 {
 	tool_hold_standard_streams();
 	switch (options_parse(&opts, argc, argv)) {
-	case OPTIONS_DONE: return end_answer();
+	case OPTIONS_DONE: return tool_end_answer(&self);
 	case OPTIONS_WRONG: return EXIT_USAGE;
 	case OPTIONS_FAILED: return EXIT_IO;
 	case OPTIONS_RUN: break;

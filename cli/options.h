@@ -25,7 +25,7 @@ typedef struct {
 	double min, max;      /* for OPTION_NUMBER */
 } option;
 
-enum { MAX_OPTIONS = 64, MAX_SETTINGS = 256 };
+enum { MAX_OPTIONS = 128, MAX_SETTINGS = 256 };
 
 /* The table and the values in force. */
 typedef struct {

@@ -1,5 +1,4 @@
 /* sbf2csv: Septentrio receiver logs to CSV, streams and LCM logs. See sbf2csv(1). */
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -30,6 +29,12 @@ static const option table[] = {
     {"antenna", 0, OPTION_CHOICE, "main|aux1|aux2|all", "main", "antenna whose measurements are wanted", 0,
      0},
     {"nav", 0, OPTION_CHOICE, "both|decoded|raw", "both", "where navigation messages come from", 0, 0},
+    {"imu-columns", 0, OPTION_TEXT, "MAP", NULL, "what the columns of a table of sensor data are", 0, 0},
+    {"imu-axes", 0, OPTION_TEXT, "AXES", NULL, "where that sensor's axes point: FRD, FLU, RFU or -y,x,z", 0,
+     0},
+    {"imu-time", 0, OPTION_TEXT, "SCALE", NULL, "what its time counts", 0, 0},
+    {"imu-instance", 0, OPTION_NUMBER, "N", NULL, "which IMU of an autopilot's log, from 0", 0, 15},
+    {"gps-lag", 0, OPTION_NUMBER, "SECONDS", NULL, "latency of the positions in an autopilot's log", -10, 10},
     {"lcm-url", 0, OPTION_TEXT, "URL", NULL, "publish by LCM instead of writing", 0, 0},
     {"quiet", 'q', OPTION_FLAG, NULL, NULL, "only messages about errors that end the run", 0, 0},
     {"verbose", 'v', OPTION_FLAG, NULL, NULL, "every message, however often it repeats", 0, 0},
@@ -47,29 +52,6 @@ static options opts = {
 static tool self = {.name = "sbf2csv"};
 static inventory blocks;
 static sink_set sinks;
-
-/* "obs,pvt" to a set. Returns the number of types, 0 after a message. */
-static int parse_types(const char *text, fw_kind_set *wanted, fw_kind *first)
-{
-	int n = 0;
-	*wanted = (fw_kind_set){0};
-	for (const char *p = text; *p != '\0';) {
-		size_t length = strcspn(p, ",");
-		fw_kind kind = fw_record_find(p, length);
-		if (kind == FW_RECORD_COUNT) {
-			sinks_complain_type(&self, p, length);
-			return 0;
-		}
-		if (n == 0)
-			*first = kind;
-		n += !fw_kind_in(wanted, kind);
-		fw_kind_add(wanted, kind);
-		p += length + (p[length] == ',');
-	}
-	if (n == 0)
-		tool_error(&self, "--types: no type given");
-	return n;
-}
 
 static void all_types(fw_kind_set *wanted)
 {
@@ -91,7 +73,8 @@ static int make_plan(sink_plan *sink, source_plan *source)
 	self.quiet = options_flag(&opts, "quiet");
 	self.verbose = options_flag(&opts, "verbose");
 	sink->table = FW_pvt;
-	if (types != NULL && (n = parse_types(types, &source->wanted, &sink->table)) == 0)
+	if (types != NULL &&
+	    (n = sinks_parse_types(&self, types, NULL, 0, &source->wanted, &sink->table)) == 0)
 		return EXIT_USAGE;
 	sink->mode = url != NULL     ? SINK_PUBLISH
 	             : rinex         ? SINK_RINEX
@@ -138,21 +121,16 @@ static int make_plan(sink_plan *sink, source_plan *source)
 	return EXIT_COMPLETE;
 }
 
-/* Reads all files. Returns the worst exit status. */
-static int read_all(int n, char **files, const source_plan *plan, source_totals *totals)
+/* How the logs of other devices are to be read. Returns EXIT_COMPLETE or EXIT_USAGE. */
+static int make_log_plan(log_plan *logs)
 {
-	static char dash[] = "-", *standard_input[] = {dash};
-	int worst = EXIT_COMPLETE;
-	if (n == 0) {
-		n = 1;
-		files = standard_input;
-	}
-	for (int i = 0; i < n && !tool_interrupted() && !sinks_failed(&sinks); i++) {
-		int status = source_read(&self, files[i], plan, sinks_head(&sinks), totals);
-		if (status > worst)
-			worst = status;
-	}
-	return worst;
+	int status = log_plan_make(&self, options_text(&opts, "imu-columns"), options_text(&opts, "imu-axes"),
+	                           options_text(&opts, "imu-time"), logs);
+	if (options_text(&opts, "imu-instance") != NULL)
+		logs->instance = (int)options_number(&opts, "imu-instance");
+	if (options_text(&opts, "gps-lag") != NULL)
+		logs->lag_s = options_number(&opts, "gps-lag");
+	return status;
 }
 
 static int write_inventory(int status, const source_totals *totals)
@@ -198,34 +176,28 @@ static int finish(int status, source_totals *totals)
 	return complete ? EXIT_COMPLETE : EXIT_PARTIAL;
 }
 
-/* --help and the like have been printed; has it arrived? */
-static int end_answer(void)
-{
-	int failed = ferror(stdout);
-	if (fclose(stdout) == 0 && !failed)
-		return EXIT_COMPLETE;
-	tool_error(&self, "standard output: %s", strerror(errno));
-	return EXIT_IO;
-}
-
 int main(int argc, char **argv)
 {
 	sink_plan to = {0};
 	source_plan from = {0};
+	log_plan logs;
 	source_totals totals = {0};
 
 	tool_hold_standard_streams();
 	switch (options_parse(&opts, argc, argv)) {
-	case OPTIONS_DONE: return end_answer();
+	case OPTIONS_DONE: return tool_end_answer(&self);
 	case OPTIONS_WRONG: return EXIT_USAGE;
 	case OPTIONS_FAILED: return EXIT_IO;
 	case OPTIONS_RUN: break;
 	}
-	if (make_plan(&to, &from) != EXIT_COMPLETE)
+	if (make_plan(&to, &from) != EXIT_COMPLETE || make_log_plan(&logs) != EXIT_COMPLETE)
 		return EXIT_USAGE;
+	from.logs = &logs;
 	tool_catch_signals();
+	const int n = argc - opts.first_file;
+	char **const files = argv + opts.first_file;
 	if (from.blocks != NULL) {
-		int status = read_all(argc - opts.first_file, argv + opts.first_file, &from, &totals);
+		int status = source_read_all(&self, n, files, &from, sinks_head(&sinks), &totals);
 		source_summary(&self, &totals, totals.blocks);
 		return tool_interrupted() ? tool_die_of(tool_interrupted())
 		                          : write_inventory(status, &totals);
@@ -233,5 +205,5 @@ int main(int argc, char **argv)
 	if (sinks_begin(&sinks, &to, &self, &opts, argc, argv) != FW_OK)
 		return tool_interrupted() ? tool_die_of(tool_interrupted()) : EXIT_IO;
 	from.sinks = &sinks;
-	return finish(read_all(argc - opts.first_file, argv + opts.first_file, &from, &totals), &totals);
+	return finish(source_read_all(&self, n, files, &from, sinks_head(&sinks), &totals), &totals);
 }

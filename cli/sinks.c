@@ -25,7 +25,8 @@ static const char *type_at(const void *words, int i)
 	return fw_record_type_of((fw_kind)i)->name;
 }
 
-void sinks_complain_type(const tool *t, const char *name, size_t n)
+/* No record type is called so; which one is near? */
+static void complain_unknown(const tool *t, const char *name, size_t n)
 {
 	char word[64];
 	snprintf(word, sizeof word, "%.*s", (int)n, name);
@@ -33,6 +34,51 @@ void sinks_complain_type(const tool *t, const char *name, size_t n)
 	tool_error(t, "--types: no record type '%s'%s%s%s; furrow-stream(5) lists all", word,
 	           nearest != NULL ? "; did you mean '" : "", nearest != NULL ? nearest : "",
 	           nearest != NULL ? "'?" : "");
+}
+
+static void complain_other(const tool *t, const char *name, size_t n, const fw_kind *allowed, int n_allowed)
+{
+	char list[256] = "";
+	for (int i = 0; i < n_allowed; i++) {
+		const size_t used = strlen(list);
+		snprintf(list + used, sizeof list - used, "%s%s", i > 0 ? ", " : "",
+		         fw_record_type_of(allowed[i])->name);
+	}
+	tool_error(t, "--types: '%.*s' is not one of %s", (int)n, name, list);
+}
+
+static int is_allowed(fw_kind kind, const fw_kind *allowed, int n_allowed)
+{
+	for (int i = 0; i < n_allowed; i++)
+		if (allowed[i] == kind)
+			return 1;
+	return allowed == NULL && kind != FW_RECORD_COUNT;
+}
+
+int sinks_parse_types(const tool *t, const char *text, const fw_kind *allowed, int n_allowed,
+                      fw_kind_set *wanted, fw_kind *first)
+{
+	int n = 0;
+	*wanted = (fw_kind_set){0};
+	for (const char *p = text; *p != '\0';) {
+		const size_t length = strcspn(p, ",");
+		const fw_kind kind = fw_record_find(p, length);
+		if (!is_allowed(kind, allowed, n_allowed)) {
+			if (allowed == NULL)
+				complain_unknown(t, p, length);
+			else
+				complain_other(t, p, length, allowed, n_allowed);
+			return 0;
+		}
+		if (n == 0)
+			*first = kind;
+		n += !fw_kind_in(wanted, kind);
+		fw_kind_add(wanted, kind);
+		p += length + (p[length] == ',');
+	}
+	if (n == 0)
+		tool_error(t, "--types: no type given");
+	return n;
 }
 
 /* ---- publishing ---- */

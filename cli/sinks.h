@@ -44,8 +44,13 @@ typedef struct {
 	_Atomic int failed; /* a message about it has been or will be given by sinks_end */
 } sink_set;
 
-/* Says that no record type is called so, and which one is near. */
-void sinks_complain_type(const tool *t, const char *name, size_t n);
+/* The record types that --types names, "obs,pvt", to a set.
+ *   allowed  in   of these n_allowed; NULL: of all
+ *   wanted   out
+ *   first    out  the first one named
+ * Returns how many they are, 0 after a message. */
+int sinks_parse_types(const tool *t, const char *text, const fw_kind *allowed, int n_allowed,
+                      fw_kind_set *wanted, fw_kind *first);
 
 /* Opens the output and writes its head: provenance from argv, settings. Returns FW_EIO after a message. */
 fw_status sinks_begin(sink_set *s, const sink_plan *plan, const tool *owner, const options *o, int argc,

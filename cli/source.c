@@ -4,6 +4,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 
 #include "formats/csv.h"
@@ -13,6 +14,7 @@
 #include "formats/rinex_obs.h"
 #include "formats/sbf_decoder.h"
 #include "formats/sbf_schema.h"
+#include "source_logs.h"
 
 typedef enum {
 	CONTENT_SBF,
@@ -23,10 +25,11 @@ typedef enum {
 	CONTENT_RINEX_OTHER,
 	CONTENT_ORBITS,   /* SP3 */
 	CONTENT_COMPRESS, /* .Z */
+	CONTENT_OTHER_LOG /* see source_logs.h */
 } content;
 
-/* One file at a time is being read; its readers are large and hold no heap. */
-static struct {
+/* What reading a file takes: large, and no heap in it. One set serves all who read one file after the other. */
+struct source_readers {
 	fw_input input;
 	union {
 		struct {
@@ -37,20 +40,11 @@ static struct {
 		fw_lcm_reader lcm;
 		fw_rinex_obs rinex_obs;
 		fw_rinex_nav rinex_nav;
+		log_readers logs;
 	} reader;
-} now;
-
-/* What a file is being read for. */
-typedef struct {
-	tool *t;
-	const char *name;
-	const source_plan *plan;
-	fw_sink sink;
-	source_totals *totals;
-	tool_progress progress;
-	uint64_t lost; /* in this file */
-	int partial;   /* it says itself that it is not all */
-} job;
+};
+static source_readers shared;
+static _Thread_local source_readers *now;
 
 /* ---- what is it? ---- */
 
@@ -61,7 +55,7 @@ static int line_contains(const uint8_t *bytes, size_t n, const char *word)
 	return memmem(bytes, end != NULL ? (size_t)(end - bytes) : n, word, strlen(word)) != NULL;
 }
 
-static content detect(const uint8_t *bytes, size_t n)
+static content detect(const source_job *j, const uint8_t *bytes, size_t n)
 {
 	static const uint8_t lcm_sync[] = {0xED, 0xA1, 0xDA, 0x01};
 	if (n >= sizeof lcm_sync && memcmp(bytes, lcm_sync, sizeof lcm_sync) == 0)
@@ -83,11 +77,12 @@ static content detect(const uint8_t *bytes, size_t n)
 		return CONTENT_ORBITS;
 	if (n >= 2 && bytes[0] == 0x1f && bytes[1] == 0x9d)
 		return CONTENT_COMPRESS;
+	if (source_logs_detect(j, bytes, n))
+		return CONTENT_OTHER_LOG;
 	return CONTENT_SBF;
 }
 
-/* Not worth reading on: a signal came, or nobody takes the records any more. */
-static int must_stop(const job *j)
+int source_must_stop(const source_job *j)
 {
 	return tool_interrupted() || (j->plan->sinks != NULL && sinks_failed(j->plan->sinks));
 }
@@ -96,7 +91,7 @@ static int must_stop(const job *j)
 
 static void note_loss(void *context, const fw_sbf_loss *loss)
 {
-	job *j = context;
+	source_job *j = context;
 	char block[64] = "block";
 	if (loss->status == FW_ETRUNCATED && tool_interrupted())
 		return; /* not the log's end but ours */
@@ -114,22 +109,22 @@ static void note_loss(void *context, const fw_sbf_loss *loss)
 		          block, loss->status == FW_ECHECKSUM ? "CRC mismatch" : "damaged header");
 }
 
-static fw_status read_blocks(job *j, fw_sbf_framer *framer, fw_sbf_decoder *decoder)
+static fw_status read_blocks(source_job *j, fw_sbf_framer *framer, fw_sbf_decoder *decoder)
 {
 	fw_status status = FW_EOF;
 	fw_sbf_block block;
-	while (!must_stop(j) && (status = fw_sbf_next(framer, &block)) == FW_OK) {
+	while (!source_must_stop(j) && (status = fw_sbf_next(framer, &block)) == FW_OK) {
 		if (j->plan->blocks != NULL)
 			inventory_add(j->plan->blocks, &block);
 		else
 			fw_sbf_decoder_put(decoder, &block);
 		tool_progress_update(&j->progress, (int64_t)block.offset);
 	}
-	return must_stop(j) ? FW_EOF : status;
+	return source_must_stop(j) ? FW_EOF : status;
 }
 
 /* What the user should know about what was not decoded. */
-static void explain(const job *j, const fw_sbf_decoder_stats *s)
+static void explain(const source_job *j, const fw_sbf_decoder_stats *s)
 {
 	if (s->scrambled > 0)
 		tool_note(j->t, "%s: %" PRIu64 " epochs of scrambled measurements left out", j->name,
@@ -148,13 +143,13 @@ static void explain(const job *j, const fw_sbf_decoder_stats *s)
 		          s->bad_pages);
 }
 
-static fw_status read_sbf(job *j)
+static fw_status read_sbf(source_job *j)
 {
-	fw_sbf_framer *framer = &now.reader.sbf.framer;
-	fw_sbf_decoder *decoder = &now.reader.sbf.decoder;
+	fw_sbf_framer *framer = &now->reader.sbf.framer;
+	fw_sbf_decoder *decoder = &now->reader.sbf.decoder;
 	fw_sbf_decoder_options o = {j->plan->wanted, j->plan->antennas, j->plan->nav_sources};
 
-	fw_sbf_init(framer, &now.input, note_loss, j);
+	fw_sbf_init(framer, &now->input, note_loss, j);
 	fw_sbf_decoder_init(decoder, &o, j->sink);
 	fw_status status = read_blocks(j, framer, decoder);
 	fw_sbf_decoder_flush(decoder);
@@ -174,7 +169,7 @@ static fw_status read_sbf(job *j)
 
 /* ---- streams, tables, LCM logs ---- */
 
-static void put_wanted(const job *j, fw_kind kind, const fw_any_record *record)
+void source_put(const source_job *j, fw_kind kind, const fw_any_record *record)
 {
 	if (j->plan->blocks == NULL && (kind == FW_meta || fw_kind_in(&j->plan->wanted, kind)))
 		j->sink.put(j->sink.context, kind, record);
@@ -184,107 +179,111 @@ static void put_wanted(const job *j, fw_kind kind, const fw_any_record *record)
 	j->totals->records++;
 }
 
-static fw_status read_text(job *j)
+static fw_status read_text(source_job *j)
 {
-	fw_csv_reader *r = &now.reader.csv;
+	fw_csv_reader *r = &now->reader.csv;
 	fw_any_record record;
 	fw_kind kind;
 	fw_status status = FW_EOF;
 
-	fw_csv_begin_read(r, &now.input, j->plan->table);
-	while (!must_stop(j) && (status = fw_csv_read(r, &kind, &record)) != FW_EOF) {
+	fw_csv_begin_read(r, &now->input, j->plan->table);
+	while (!source_must_stop(j) && (status = fw_csv_read(r, &kind, &record)) != FW_EOF) {
 		if (status == FW_OK) {
-			put_wanted(j, kind, &record);
+			source_put(j, kind, &record);
 		} else if (status == FW_ESYNTAX || status == FW_EUNKNOWN) {
 			tool_warn(j->t, CAUSE_ROW, "%s:%" PRIu64 ": column %d %s: %s", j->name,
 			          r->problem.line, r->problem.field, r->problem.column, r->problem.reason);
 		}
 		if (status < 0 && status != FW_ESYNTAX)
 			break;
-		tool_progress_update(&j->progress, (int64_t)now.input.offset);
+		tool_progress_update(&j->progress, (int64_t)now->input.offset);
 	}
 	if (r->unknown_columns > 0)
 		tool_note(j->t, "%s: %d unknown columns ignored, '%s' first", j->name, r->unknown_columns,
 		          r->unknown);
 	j->lost += r->lost + r->skipped + (status == FW_EUNKNOWN);
 	j->partial |= r->partial;
-	return must_stop(j) ? FW_EOF : status;
+	return source_must_stop(j) ? FW_EOF : status;
 }
 
-static fw_status read_lcm(job *j)
+static fw_status read_lcm(source_job *j)
 {
-	fw_lcm_reader *r = &now.reader.lcm;
+	fw_lcm_reader *r = &now->reader.lcm;
 	fw_any_record record;
 	fw_kind kind;
 	fw_status status = FW_EOF;
 
-	fw_lcm_begin_read(r, &now.input);
-	while (!must_stop(j) && (status = fw_lcm_read(r, &kind, &record)) != FW_EOF) {
+	fw_lcm_begin_read(r, &now->input);
+	while (!source_must_stop(j) && (status = fw_lcm_read(r, &kind, &record)) != FW_EOF) {
 		if (status == FW_OK)
-			put_wanted(j, kind, &record);
+			source_put(j, kind, &record);
 		else if (status == FW_ESYNTAX)
 			tool_warn(j->t, CAUSE_DAMAGE, "%s: byte %" PRIu64 ": %s", j->name, r->lost_offset,
 			          r->reason);
 		else
 			break;
-		tool_progress_update(&j->progress, (int64_t)now.input.offset);
+		tool_progress_update(&j->progress, (int64_t)now->input.offset);
 	}
 	if (r->foreign > 0)
 		tool_note(j->t, "%s: %" PRIu64 " events on other channels passed over", j->name, r->foreign);
 	j->lost += r->lost + r->skipped;
 	j->partial |= r->partial;
-	return must_stop(j) ? FW_EOF : status;
+	return source_must_stop(j) ? FW_EOF : status;
 }
 
 /* ---- RINEX ---- */
 
 /* One problem of a file of lines. */
-static void note_problem(const job *j, const fw_rinex_problem *problem)
+static void note_problem(const source_job *j, const fw_rinex_problem *problem)
 {
 	tool_warn(j->t, CAUSE_ROW, "%s:%" PRIu64 ": %s", j->name, problem->line, problem->reason);
 }
 
-static fw_status read_observations(job *j)
+/* Observations come by the million: a look around every so many of them is enough. */
+enum { ROWS_BETWEEN_LOOKS = 64 };
+
+static fw_status read_observations(source_job *j)
 {
-	fw_rinex_obs *r = &now.reader.rinex_obs;
+	fw_rinex_obs *r = &now->reader.rinex_obs;
 	fw_any_record record;
 	fw_kind kind;
 	fw_status status = FW_EOF;
 
-	fw_rinex_obs_begin(r, &now.input);
-	while (!must_stop(j)) {
+	fw_rinex_obs_begin(r, &now->input);
+	for (unsigned row = 0; row % ROWS_BETWEEN_LOOKS != 0 || !source_must_stop(j); row++) {
 		status = fw_rinex_obs_read(r, &kind, &record);
 		if (status == FW_OK)
-			put_wanted(j, kind, &record);
+			source_put(j, kind, &record);
 		else if (status != FW_ESYNTAX)
 			break;
 		else
 			note_problem(j, &r->problem);
-		tool_progress_update(&j->progress, (int64_t)now.input.offset);
+		if (row % ROWS_BETWEEN_LOOKS == 0)
+			tool_progress_update(&j->progress, (int64_t)now->input.offset);
 	}
 	if (status == FW_EUNKNOWN)
 		note_problem(j, &r->problem);
 	j->lost += r->lost;
-	return must_stop(j) ? FW_EOF : status;
+	return source_must_stop(j) ? FW_EOF : status;
 }
 
-static fw_status read_navigation(job *j)
+static fw_status read_navigation(source_job *j)
 {
-	fw_rinex_nav *r = &now.reader.rinex_nav;
+	fw_rinex_nav *r = &now->reader.rinex_nav;
 	fw_any_record record;
 	fw_kind kind;
 	fw_status status = FW_EOF;
 
-	fw_rinex_nav_begin(r, &now.input);
-	while (!must_stop(j)) {
+	fw_rinex_nav_begin(r, &now->input);
+	while (!source_must_stop(j)) {
 		status = fw_rinex_nav_read(r, &kind, &record);
 		if (status == FW_OK)
-			put_wanted(j, kind, &record);
+			source_put(j, kind, &record);
 		else if (status != FW_ESYNTAX)
 			break;
 		else
 			note_problem(j, &r->problem);
-		tool_progress_update(&j->progress, (int64_t)now.input.offset);
+		tool_progress_update(&j->progress, (int64_t)now->input.offset);
 	}
 	if (status == FW_EUNKNOWN)
 		note_problem(j, &r->problem);
@@ -292,40 +291,48 @@ static fw_status read_navigation(job *j)
 		tool_note(j->t, "%s: %" PRIu64 " entries of messages that are not decoded passed over",
 		          j->name, r->passed_over);
 	j->lost += r->lost;
-	return must_stop(j) ? FW_EOF : status;
+	return source_must_stop(j) ? FW_EOF : status;
 }
 
 /* ---- a file ---- */
 
 /* A file that is known, but not read here. */
-static fw_status refuse(job *j, const char *why)
+static fw_status refuse(source_job *j, const char *why)
 {
 	tool_note(j->t, "%s: %s", j->name, why);
 	j->lost++;
 	return FW_EOF;
 }
 
-static void start_progress(job *j, const char *path)
+int source_is_file(const char *path, int64_t *size)
 {
 	struct stat s;
-	int64_t size = strcmp(path, "-") != 0 && stat(path, &s) == 0 && S_ISREG(s.st_mode) ? s.st_size : 0;
-	tool_progress_start(&j->progress, j->t, j->plan->progress, j->name, now.input.gzip ? 0 : size);
+	int is_file = strcmp(path, "-") != 0 && stat(path, &s) == 0 && S_ISREG(s.st_mode);
+	*size = is_file ? s.st_size : 0;
+	return is_file;
 }
 
-static fw_status read_content(job *j, const char *path)
+static void start_progress(source_job *j, const char *path)
+{
+	int64_t size;
+	source_is_file(path, &size);
+	tool_progress_start(&j->progress, j->t, j->plan->progress, j->name, now->input.gzip ? 0 : size);
+}
+
+static fw_status read_content(source_job *j, const char *path)
 {
 	const uint8_t *head;
 	size_t n = 0;
 	/* A live log may say little and then pause: no more than its sync is waited for. */
-	fw_status status = fw_input_peek(&now.input, 2, &head, &n);
+	fw_status status = fw_input_peek(&now->input, 2, &head, &n);
 	if (status == FW_OK && memcmp(head, "$@", n < 2 ? n : 2) != 0)
-		status = fw_input_peek(&now.input, 512, &head, &n);
+		status = fw_input_peek(&now->input, 512, &head, &n);
 	if (status == FW_EOF)
 		tool_note(j->t, "%s: empty", j->name);
 	if (status != FW_OK)
 		return status;
 	start_progress(j, path);
-	switch (detect(head, n)) {
+	switch (detect(j, head, n)) {
 	case CONTENT_TEXT: status = read_text(j); break;
 	case CONTENT_LCM: status = read_lcm(j); break;
 	case CONTENT_SBF: status = read_sbf(j); break;
@@ -340,6 +347,7 @@ static fw_status read_content(job *j, const char *path)
 		    j,
 		    "compressed with compress(1): use gzip, or uncompress it on the way (zcat FILE | ...)");
 		break;
+	case CONTENT_OTHER_LOG: status = source_logs_read(j, head, n); break;
 	}
 	tool_progress_end(&j->progress);
 	return status;
@@ -348,28 +356,57 @@ static fw_status read_content(job *j, const char *path)
 /* The input pauses: a live receiver. */
 static void hand_on(void *context)
 {
-	sinks_flush(context);
+	const source_plan *plan = ((const source_job *)context)->plan;
+	if (plan->pause != NULL)
+		plan->pause(plan->pause_context);
+	else if (plan->sinks != NULL)
+		sinks_flush(plan->sinks);
+}
+
+/* By mmap: it is large, and of most of it no more than the address is ever taken. */
+source_readers *source_readers_new(void)
+{
+	void *p =
+	    mmap(NULL, sizeof(source_readers), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+	return p != MAP_FAILED ? p : NULL;
+}
+
+void source_readers_free(source_readers *r)
+{
+	if (r != NULL)
+		munmap(r, sizeof *r);
+}
+
+fw_status source_open(source_job *j)
+{
+	fw_status status;
+	do
+		status = fw_input_open(j->input, j->path);
+	while (status == FW_EIO && j->input->error_number == EINTR && !tool_interrupted());
+	if (status == FW_OK) {
+		j->input->stop = tool_stop_flag();
+		j->input->idle = hand_on;
+		j->input->idle_context = j;
+	}
+	return status;
 }
 
 int source_read(tool *t, const char *path, const source_plan *plan, fw_sink sink, source_totals *totals)
 {
-	job j = {.t = t,
-	         .name = strcmp(path, "-") == 0 ? "standard input" : path,
-	         .plan = plan,
-	         .sink = sink,
-	         .totals = totals};
-	fw_status status;
-	do
-		status = fw_input_open(&now.input, path);
-	while (status == FW_EIO && now.input.error_number == EINTR && !tool_interrupted());
-	if (status == FW_OK) {
-		now.input.stop = tool_stop_flag();
-		now.input.idle = plan->sinks != NULL ? hand_on : NULL;
-		now.input.idle_context = plan->sinks;
+	now = plan->readers != NULL ? plan->readers : &shared;
+	source_job j = {.t = t,
+	                .name = strcmp(path, "-") == 0 ? "standard input" : path,
+	                .path = path,
+	                .plan = plan,
+	                .sink = sink,
+	                .totals = totals,
+	                .input = &now->input,
+	                .logs = &now->reader.logs};
+	fw_status status = source_open(&j);
+	if (status == FW_OK)
 		status = read_content(&j, path);
-	}
-	fw_input_close(&now.input);
-	int error = now.input.error_number;
+	fw_input_close(&now->input);
+	int error = now->input.error_number;
 	int failed = (status == FW_EIO || status == FW_ENOMEM) && !tool_interrupted();
 	if (failed)
 		tool_error(t, "%s: %s", j.name, status == FW_EIO ? strerror(error) : fw_status_text(status));
@@ -382,6 +419,25 @@ int source_read(tool *t, const char *path, const source_plan *plan, fw_sink sink
 	if (failed)
 		return EXIT_IO;
 	return j.lost > 0 || j.partial || totals->bytes_skipped > 0 ? EXIT_PARTIAL : EXIT_COMPLETE;
+}
+
+int source_read_all(tool *t, int n, char **files, const source_plan *plan, fw_sink sink,
+                    source_totals *totals)
+{
+	static char dash[] = "-", *standard_input[] = {dash};
+	int worst = EXIT_COMPLETE;
+	if (n == 0) {
+		n = 1;
+		files = standard_input;
+	}
+	for (int i = 0; i < n && !tool_interrupted(); i++) {
+		if (plan->sinks != NULL && sinks_failed(plan->sinks))
+			break;
+		int status = source_read(t, files[i], plan, sink, totals);
+		if (status > worst)
+			worst = status;
+	}
+	return worst;
 }
 
 void source_offer(const tool *t, const source_totals *totals)

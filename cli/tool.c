@@ -1,5 +1,6 @@
 #include "tool.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -94,6 +95,15 @@ int tool_die_of(int signal_number)
 	signal(signal_number, SIG_DFL);
 	raise(signal_number);
 	return 128 + signal_number;
+}
+
+int tool_end_answer(const tool *t)
+{
+	const int failed = ferror(stdout);
+	if (fclose(stdout) == 0 && !failed)
+		return EXIT_COMPLETE;
+	tool_error(t, "standard output: %s", strerror(errno));
+	return EXIT_IO;
 }
 
 static int64_t monotonic_ns(void)

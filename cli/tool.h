@@ -21,6 +21,7 @@ typedef enum {
 	CAUSE_ROW,
 	CAUSE_UNKNOWN,
 	CAUSE_UNSUPPORTED,
+	CAUSE_REFUSED,
 	CAUSE_COUNT
 } tool_cause;
 
@@ -58,6 +59,9 @@ const volatile sig_atomic_t *tool_stop_flag(void);
 
 /* Ends the program as the noted signal would have. Returns 128 + signal should that not work. */
 int tool_die_of(int signal_number);
+
+/* --help and the like have been printed to stdout; has it arrived? Returns EXIT_COMPLETE, or EXIT_IO after a message. */
+int tool_end_answer(const tool *t);
 
 /* A progress line on stderr: how much of the input has been read. */
 typedef struct {

@@ -31,7 +31,7 @@
 	X(sbas_degradation) X(sbas_factors) X(sbas_time) X(sbas_almanac) X(sbas_igp_mask) \
 	X(sbas_long) X(sbas_iono) X(sbas_service) X(sbas_cov) X(sbas_corr) X(sbas5_nav) \
 	X(sbas5_almanac) X(ins) X(event_ins) X(ins_ecef) X(event_ins_ecef) X(imu) X(ext_sensor) \
-	X(imu_setup) X(velocity_setup) X(sensor_setup) X(mag) X(baro) X(pl) X(pos) X(nav) X(meta)
+	X(imu_setup) X(velocity_setup) X(sensor_setup) X(mag) X(baro) X(pl) X(transition) X(pos) X(nav) X(meta)
 /* clang-format on */
 
 /* FW_obs, FW_epoch, ...: one constant per record type. */

@@ -54,13 +54,16 @@ static double wander(fw_wander *w, fw_random *random)
 
 /* Noise of the one-sided spectral density h / f. Processes whose times are a factor r apart, each of variance
  * h ln r, add up to it between the shortest and the longest: sum over poles of 4 s^2 tau / (1 + w^2 tau^2)
- * is nearly the integral of it over ln(tau), s^2 / (f ln r). */
+ * is nearly the integral of it over ln(tau), s^2 / (f ln r). What shorter ones would add to the mean over a step is white:
+ * the sum of 2 s^2 tau / step over their times, the shortest's over r, r^2, ... */
 static void start_flicker(fw_flicker *flicker, double h, double step_s, fw_random *random)
 {
 	const double ratio = 4;
 	double tau_s = step_s / ratio, sd = sqrt(h * log(ratio));
+	const double shorter = 2 * sd * sd * tau_s / (ratio - 1) / step_s;
 	for (int i = 0; i < FW_FLICKER_POLES; i++, tau_s *= ratio)
 		start_markov(&flicker->pole[i], sd, tau_s, step_s, random);
+	flicker->pole[0].mean_sd = hypot(flicker->pole[0].mean_sd, sqrt(shorter));
 }
 
 static double flicker_mean(fw_flicker *flicker, fw_random *random)

@@ -61,6 +61,18 @@ for file in rover/obs.rnx rover/nav.rnx base/obs.rnx base/nav.rnx; do
 	[ -s rinex/$file ] || complain "no $file"
 done
 
+# ---- defaults: an IMU of which nothing is said is an industrial one; single keys change single errors ----
+
+printf '[trajectory]\nwaypoint = 0 0 0 1 5\n' > still.ini
+simulates 0 still.ini -o plain
+simulates 0 still.ini -o industrial --set imu.grade=industrial
+same plain/imu.csv industrial/imu.csv
+simulates 0 still.ini -o perfect --set imu.grade=perfect
+cmp -s plain/imu.csv perfect/imu.csv && complain "the IMU is perfect by default"
+simulates 0 still.ini --print-config --set imu.gyro_bias_degph=0
+prints "gyro_bias_degph = 0"
+prints "gyro_noise_degprth = 0.15"
+
 # ---- someone else's motion, someone else's sky ----
 
 simulates 0 "$scenarios/farm.ini" -o first --set scenario.duration_s=60 --truth-rate 20
