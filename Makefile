@@ -16,7 +16,7 @@ run_tests = ctest --preset $(1) -j $(JOBS)
 .PHONY: help demo test check fuzz bench coverage format install clean
 
 help:
-	@echo 'make demo     a receiver log as tables; make demo LOG=file.sbf takes your own'
+	@echo 'make demo     a simulated survey flight, solved and judged; make demo LOG=file.sbf shows a log of yours'
 	@echo 'make test     build and test'
 	@echo 'make check    sanitizers, fault injection, fuzzing, long campaigns, lint'
 	@echo 'make fuzz     libFuzzer on every harness, FUZZ_SECONDS=60 each'

@@ -329,6 +329,15 @@ int eval_series_read(eval_series *s, tool *t, const char *path, const eval_plan 
 	return explain(s, t, plan) && status == EXIT_COMPLETE ? EXIT_PARTIAL : status;
 }
 
+/* Levels and limits alone: what else the other series knows of that time is not this one's. */
+static void take_levels(eval_fix *fix, const eval_fix *from)
+{
+	for (int k = 0; k < 2; k++) {
+		fix->pl_m[k] = isnan(from->pl_m[k]) ? fix->pl_m[k] : from->pl_m[k];
+		fix->al_m[k] = isnan(from->al_m[k]) ? fix->al_m[k] : from->al_m[k];
+	}
+}
+
 void eval_series_add_levels(eval_series *s, const eval_series *levels)
 {
 	size_t i = 0;
@@ -336,7 +345,7 @@ void eval_series_add_levels(eval_series *s, const eval_series *levels)
 		while (i < s->n && s->fix[i].t.ns < levels->fix[j].t.ns - SAME_NS)
 			i++;
 		if (i < s->n && s->fix[i].t.ns <= levels->fix[j].t.ns + SAME_NS)
-			merge(&s->fix[i], &levels->fix[j]);
+			take_levels(&s->fix[i], &levels->fix[j]);
 	}
 }
 

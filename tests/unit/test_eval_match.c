@@ -364,6 +364,27 @@ static void rows_are_put_in_order_and_merged(void **state)
 	eval_series_release(&s);
 }
 
+/* A stream with levels knows the receiver's attitude too: that is not the solution's. */
+static void levels_bring_nothing_else(void **state)
+{
+	eval_series s = {0}, levels = {0};
+	eval_fix fix = trajectory(row_time(1)), level = eval_fix_empty(row_time(1), FW_pl);
+
+	(void)state;
+	const double pitch = fix.rpy_rad[1];
+	level.pl_m[EVAL_H] = 5;
+	level.al_m[EVAL_V] = 50;
+	level.rpy_rad[1] = pitch + 1;
+	level.sd_rpy_rad[1] = 1;
+	assert_int_equal(eval_series_add(&s, &fix, 2), FW_OK);
+	assert_int_equal(eval_series_add(&levels, &level, 2), FW_OK);
+	eval_series_add_levels(&s, &levels);
+	assert_true(s.fix[0].pl_m[EVAL_H] == 5 && s.fix[0].al_m[EVAL_V] == 50);
+	assert_true(isnan(pitch) ? isnan(s.fix[0].rpy_rad[1]) : s.fix[0].rpy_rad[1] == pitch);
+	eval_series_release(&s);
+	eval_series_release(&levels);
+}
+
 static void nonsense_is_counted_not_kept(void **state)
 {
 	eval_series s = {0};
@@ -403,6 +424,7 @@ int main(void)
 	    cmocka_unit_test(expected_epochs_are_those_with_truth),
 	    cmocka_unit_test(errors_are_solution_minus_truth),
 	    cmocka_unit_test(rows_are_put_in_order_and_merged),
+	    cmocka_unit_test(levels_bring_nothing_else),
 	    cmocka_unit_test(nonsense_is_counted_not_kept),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
