@@ -13,7 +13,7 @@ configure = cmake --preset $(1) -DFURROW_DATA="$(abspath $(FURROW_DATA))"
 build = $(call configure,$(1)) && cmake --build --preset $(1) -j $(JOBS)
 run_tests = ctest --preset $(1) -j $(JOBS)
 
-.PHONY: help demo test check fuzz bench coverage format install clean
+.PHONY: help demo test check fuzz bench papers coverage format install clean
 
 help:
 	@echo 'make demo     a simulated survey flight, solved and judged; make demo LOG=file.sbf shows a log of yours'
@@ -21,6 +21,7 @@ help:
 	@echo 'make check    sanitizers, fault injection, fuzzing, long campaigns, lint'
 	@echo 'make fuzz     libFuzzer on every harness, FUZZ_SECONDS=60 each'
 	@echo 'make bench    speed, side by side with RTKLIB convbin and pysbf2'
+	@echo 'make papers   the tests of the papers: tables paper | furrow in build/papers (10 minutes)'
 	@echo 'make coverage lines and branches that the tests reach'
 	@echo 'make format   lay out the sources with clang-format'
 	@echo 'make install  programs and manual pages, PREFIX=/usr/local'
@@ -59,6 +60,12 @@ bench:
 	@scripts/venv.sh
 	@$(call build,release)
 	@scripts/bench.sh
+
+papers:
+	@scripts/packages.sh build test
+	@scripts/venv.sh
+	@$(call build,release)
+	@scripts/papers.sh
 
 coverage:
 	@scripts/packages.sh build test check

@@ -12,9 +12,10 @@
 enum {
 	BATCHES = 2,
 	BATCH = 128 * 1024,
-	RECENT = 4,        /* records whose times make the horizon */
-	POLL_MS = 50,      /* how long to wait before looking for signals, and flushing */
-	FAREWELL_MS = 1000 /* for a reader that waits for a live pipe */
+	RECENT = 4,         /* records whose times make the horizon */
+	LEAP_RECORDS = 128, /* a leap of it is believed when so many records come from beyond */
+	POLL_MS = 50,       /* how long to wait before looking for signals, and flushing */
+	FAREWELL_MS = 1000  /* for a reader that waits for a live pipe */
 };
 
 /* In a batch: this, then the record's copy, and so on, each from a multiple of 16. */
@@ -50,8 +51,9 @@ struct fuse_source {
 	bool finished;
 	bool holding; /* batch[emptied % BATCHES] is being emptied, up to `at` */
 	size_t at;
-	unsigned n_recent;
-	int64_t recent[RECENT], horizon;
+	unsigned n_recent, leaping;
+	int64_t recent[RECENT], horizon, latest;
+	fw_kind_set timed; /* types that have had a time */
 };
 
 /* ---- the reader's side ---- */
@@ -140,7 +142,7 @@ int fuse_inputs_add(fuse_inputs *in, const char *path, const source_plan *plan)
 		s->plan.pause_context = s;
 		s->tool = *in->owner;
 		memset(s->tool.repeats, 0, sizeof s->tool.repeats);
-		s->horizon = INT64_MIN / 2; /* so that times can be taken off it */
+		s->horizon = s->latest = INT64_MIN / 4; /* so that it can be taken off times */
 		pthread_mutex_init(&s->lock, NULL);
 		pthread_cond_init(&s->changed, NULL);
 		if (s->plan.readers != NULL)
@@ -165,12 +167,17 @@ static struct timespec in_ms(int ms)
 	return t;
 }
 
+static bool must_stop(const fuse_inputs *in)
+{
+	return tool_interrupted() || (in->sinks != NULL && sinks_failed(in->sinks));
+}
+
 /* Waits for a batch, or for the end. Returns false when it is time to stop. */
 static bool wait_for(fuse_inputs *in, fuse_source *s)
 {
-	bool flushed = false;
+	bool flushed = in->sinks == NULL;
 	pthread_mutex_lock(&s->lock);
-	while (s->filled == s->emptied && !s->ended && !tool_interrupted() && !sinks_failed(in->sinks)) {
+	while (s->filled == s->emptied && !s->ended && !must_stop(in)) {
 		const struct timespec until = in_ms(POLL_MS);
 		if (pthread_cond_timedwait(&s->changed, &s->lock, &until) == ETIMEDOUT && !flushed) {
 			pthread_mutex_unlock(&s->lock);
@@ -181,7 +188,7 @@ static bool wait_for(fuse_inputs *in, fuse_source *s)
 	}
 	s->holding = s->filled != s->emptied;
 	pthread_mutex_unlock(&s->lock);
-	return !tool_interrupted() && !sinks_failed(in->sinks);
+	return !must_stop(in);
 }
 
 static void give_back(fuse_source *s)
@@ -195,16 +202,26 @@ static void give_back(fuse_source *s)
 	s->at = 0;
 }
 
-/* The horizon is the earliest of the last few stamps. */
+/* The horizon is the earliest of the last few stamps, if that is not far ahead of where it was: then some more have to say so. */
 static void note_time(fuse_source *s, fw_time t)
 {
-	s->recent[s->n_recent % RECENT] = t.ns;
-	s->n_recent++;
-	if (s->n_recent < RECENT)
-		return;
-	s->horizon = s->recent[0];
+	s->recent[s->n_recent++ % RECENT] = t.ns;
+	int64_t earliest = s->recent[0];
 	for (int i = 1; i < RECENT; i++)
-		s->horizon = s->recent[i] < s->horizon ? s->recent[i] : s->horizon;
+		earliest = s->recent[i] < earliest ? s->recent[i] : earliest;
+	if (earliest - s->horizon > FUSE_LEAP_NS && ++s->leaping < LEAP_RECORDS)
+		return;
+	s->leaping = 0;
+	s->horizon = earliest;
+	s->latest = earliest > s->latest ? earliest : s->latest;
+}
+
+/* The last stamp of all has none after it to speak against it. */
+static void finish(fuse_source *s)
+{
+	s->finished = true;
+	if (s->n_recent > 0 && s->recent[(s->n_recent - 1) % RECENT] > s->latest)
+		s->latest = s->recent[(s->n_recent - 1) % RECENT];
 }
 
 /* The next record of a source. Returns false at its end. */
@@ -216,9 +233,13 @@ static bool take(fuse_source *s, fuse_record *r)
 	s->at += it.length;
 	r->kind = it.kind;
 	r->record = bytes + ITEM;
-	r->timed = it.kind != FW_meta && fw_record_time(r->record, &r->time) >= 0;
-	if (r->timed)
+	const fw_status status = it.kind != FW_meta ? fw_record_time(r->record, &r->time) : FW_EINVAL;
+	r->timed = status >= 0;
+	r->mistimed = !r->timed && (status != FW_EINVAL || fw_kind_in(&s->timed, it.kind));
+	if (r->timed) {
+		fw_kind_add(&s->timed, it.kind);
 		note_time(s, r->time);
+	}
 	return true;
 }
 
@@ -241,9 +262,9 @@ bool fuse_inputs_next(fuse_inputs *in, fuse_record *r)
 			give_back(s);
 		if (!s->holding && !wait_for(in, s))
 			return false;
-		s->finished = !s->holding;
-		if (!s->finished)
+		if (s->holding)
 			return take(s, r);
+		finish(s);
 	}
 	return false;
 }
@@ -252,6 +273,14 @@ fw_time fuse_inputs_horizon(const fuse_inputs *in)
 {
 	const fuse_source *s = furthest_behind(in);
 	return (fw_time){s != NULL ? s->horizon : INT64_MAX};
+}
+
+fw_time fuse_inputs_latest(const fuse_inputs *in)
+{
+	int64_t latest = INT64_MIN / 4;
+	for (unsigned i = 0; i < in->n; i++)
+		latest = in->source[i]->latest > latest ? in->source[i]->latest : latest;
+	return (fw_time){latest};
 }
 
 /* A reader may be waiting for a live pipe: a signal ends its wait, if that is why we end; if not, it stays behind

@@ -15,11 +15,14 @@
 
 enum { FUSE_SOURCES = 16 };
 
+/* A stamp so far ahead of those before is not believed at once [ns]. */
+#define FUSE_LEAP_NS (10 * FW_NS_PER_S)
+
 typedef struct fuse_source fuse_source;
 
 typedef struct {
 	tool *owner;
-	sink_set *sinks; /* flushed when all wait; when they fail reading ends */
+	sink_set *sinks; /* flushed when all wait; when they fail reading ends. NULL: none */
 	unsigned n;
 	fuse_source *source[FUSE_SOURCES];
 } fuse_inputs;
@@ -28,7 +31,8 @@ typedef struct {
 typedef struct {
 	fw_kind kind;
 	const void *record;
-	bool timed; /* it has a time stamp */
+	bool timed;    /* it has a time stamp */
+	bool mistimed; /* it has one that cannot be, or none though others of its type had */
 	fw_time time;
 } fuse_record;
 
@@ -44,8 +48,12 @@ int fuse_inputs_add(fuse_inputs *in, const char *path, const source_plan *plan);
 bool fuse_inputs_next(fuse_inputs *in, fuse_record *r);
 
 /* No record before this time is to be expected any more; INT64_MAX when all sources have ended. The latest few
- * records of each source decide, so that a single wrong time stamp does not. */
+ * records of each source decide, so that a single wrong time stamp does not, and a leap ahead has to be
+ * confirmed by a hundred. */
 fw_time fuse_inputs_horizon(const fuse_inputs *in);
+
+/* The latest time that was believed. When all sources have ended, what is later by FUSE_LEAP_NS has a wrong time. */
+fw_time fuse_inputs_latest(const fuse_inputs *in);
 
 /* Ends the threads and gives back the memory. Sums go to *totals. Returns the worst exit status of all sources. */
 int fuse_inputs_end(fuse_inputs *in, source_totals *totals);

@@ -62,7 +62,7 @@ const option fuse_option_table[] = {
     NUMBER("lever-x", "M", NULL, -100, 100, "antenna, from the IMU: forward [m]"),
     NUMBER("lever-y", "M", NULL, -100, 100, "right [m]"),
     NUMBER("lever-z", "M", NULL, -100, 100, "down [m]"),
-    CHOICE("imu-grade", 0, "mems|industrial|tactical|navigation", "industrial",
+    CHOICE("imu-grade", 0, "consumer|mems|industrial|tactical|navigation", "industrial",
            "what the next options have when they are not set"),
     NUMBER("gyro-noise", "DEG/SQRT(H)", NULL, 1e-9, 1e6, "angle random walk"),
     NUMBER("gyro-bias", "DEG/H", NULL, 0, 1e6, "turn-on bias, sigma"),
@@ -86,6 +86,7 @@ const option fuse_option_table[] = {
     NUMBER("velocity-sd-h", "M/S", "0", 0, 1e4, "the same of velocities"),
     NUMBER("velocity-sd-v", "M/S", "0", 0, 1e4, "the same, vertical"),
     NUMBER("position-floor", "M", "0.005", 0, 1e4, "least sigma of positions that is believed"),
+    NUMBER("float-floor", "M", "0.3", 0, 1e4, "the same of positions with float ambiguities"),
     NUMBER("velocity-floor", "M/S", "0.01", 0, 1e4, "least sigma of velocities"),
     NUMBER("gate", "P", "1e-5", 0, 0.5, "refuse what would come with less than this probability; 0: nothing"),
     NUMBER("gate-patience", "N", "30", 0, 1e6, "believe fixes after so many refused in a row; 0: never"),
@@ -121,6 +122,8 @@ const option fuse_option_table[] = {
            "sigma of a magnetic heading that the table does not correct"),
     NUMBER("compass-every", "S", "1", 0, 3600, "magnetic headings are used so far apart at least"),
     CHOICE("compass-table", 0, "yes|no", "yes", "learn corrections from the antennas' heading"),
+    TEXT("compass-calibration", 0, "none|turning|log|NUMBERS", "none",
+         "hard and soft iron: how they are found"),
     NUMBER("declination", "DEG", NULL, -180, 180, "in place of the World Magnetic Model"),
     NUMBER("baro-sd", "M", NULL, 0, 1e4, "white noise of the barometer; 0: not used"),
     NUMBER("baro-drift", "M", "1", 0, 1e4, "its wandering, sigma"),
@@ -170,10 +173,11 @@ static int choice(const options *o, const char *name)
 }
 
 /* Noise [deg/sqrt(h), ug/sqrt(Hz)], turn-on bias [deg/h, mg], in-run bias [deg/h, ug]; misalignment [mrad]: the grades of
- * gnss-sim(1). */
+ * gnss-sim(1), and one below them. */
 static const struct {
 	double gyro[3], accel[3], misalignment;
 } grades[] = {
+    {{1, 3600, 360}, {500, 30, 3000}, 10},        /* consumer: not calibrated, as in telephones */
     {{0.3, 300, 10}, {150, 8, 60}, 2},            /* mems: a drone's autopilot */
     {{0.15, 50, 3}, {60, 2, 30}, 1},              /* industrial: MEMS, calibrated */
     {{0.05, 1, 0.5}, {50, 0.3, 15}, 0.2},         /* tactical: FOG or the best MEMS */
@@ -194,6 +198,8 @@ static void set_imu(const options *o, fw_loose_options *l)
 	l->accel_bias_tau_s = options_number(o, "accel-tau");
 	l->gyro_scale_sd = options_number(o, "gyro-scale") * 1e-6;
 	l->accel_scale_sd = options_number(o, "accel-scale") * 1e-6;
+	l->gyro_matrix = l->accel_matrix =
+	    in_si(o, "imu-misalignment", 1e-3, grades[grade].misalignment * 1e-3);
 	l->gap_s = options_number(o, "gap");
 }
 
@@ -248,6 +254,7 @@ static void set_records(const options *o, fuse_records_setup *r)
 	fw_euler_to_matrix(rpy, r->C_b_s);
 	r->imu_offset_ns = llround(options_number(o, "imu-offset") * 1e9);
 	r->fixes = (fuse_fixes)choice(o, "fixes");
+	r->float_floor_m = options_number(o, "float-floor");
 	r->use_velocity = is_yes(o, "velocity");
 	r->antenna_heading_rad = angle(o, "antenna-heading");
 	r->heading_floor_rad = angle(o, "heading-sd");
@@ -262,7 +269,9 @@ static void set_start(const options *o, const fw_loose_options *l, fuse_start_se
 	s->imu = (fw_align_imu){.gyro_bias_sd = hypot(l->gyro_bias_sd, l->gyro_bias_walk),
 	                        .gyro_noise = l->gyro_noise,
 	                        .accel_bias_sd = hypot(l->accel_bias_sd, l->accel_bias_walk),
-	                        .accel_noise = l->accel_noise};
+	                        .accel_noise = l->accel_noise,
+	                        .scale_sd = l->gyro_matrix};
+	s->gyro_bias_walk = l->gyro_bias_walk;
 	memcpy(s->lever_b, l->lever_b, sizeof s->lever_b);
 	s->still = l->still;
 	s->gap_s = l->gap_s;
@@ -335,13 +344,18 @@ int fuse_configure(const options *o, const tool *t, fuse_config *c)
 	}
 	set_records(o, &c->records);
 	set_start(o, &c->loose, &c->start);
-	c->misalignment_rad =
-	    in_si(o, "imu-misalignment", 1e-3, grades[choice(o, "imu-grade")].misalignment * 1e-3);
+	c->misalignment_rad = c->loose.gyro_matrix;
 	c->smooth = strcmp(options_text(o, "smooth"), "rts") == 0;
 	c->memory = (uint64_t)(options_number(o, "memory") * 1048576);
 	c->window_ns = llround(options_number(o, "window") * 1e9) + llabs(c->records.imu_offset_ns);
 	if (set_logs(o, t, &c->logs) != EXIT_COMPLETE)
 		return EXIT_USAGE;
+	if (!fuse_compass_parse(options_text(o, "compass-calibration"), &c->compass_way, &c->compass)) {
+		tool_error(t, "--compass-calibration: '%s' is neither none, turning nor log, nor 12 numbers",
+		           options_text(o, "compass-calibration"));
+		return EXIT_USAGE;
+	}
+	c->records.compass = c->compass_way == FUSE_COMPASS_GIVEN ? &c->compass : NULL;
 	if (c->start.way == FUSE_ALIGN_GIVEN && options_text(o, "heading") == NULL) {
 		tool_error(t, "--align given needs --heading DEG");
 		return EXIT_USAGE;

@@ -2,6 +2,7 @@
 #ifndef FURROW_CLI_FUSE_OPTIONS_H
 #define FURROW_CLI_FUSE_OPTIONS_H
 
+#include "fuse_compass.h"
 #include "fuse_output.h"
 #include "fuse_records.h"
 #include "fuse_start.h"
@@ -23,6 +24,7 @@ typedef struct {
 	fuse_rate rate;
 	double misalignment_rad; /* of the IMU's axes, sigma */
 	int64_t window_ns;       /* how far records may be out of order */
+	fuse_compass_way compass_way;
 	fw_mag_calibration compass;
 } fuse_config;
 

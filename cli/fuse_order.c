@@ -35,7 +35,7 @@ void fuse_order_put(fuse_order *o, const fuse_entry *e)
 		swap(o, at, (at - 1) / 2);
 }
 
-const fuse_entry *fuse_order_first(const fuse_order *o)
+fuse_entry *fuse_order_first(fuse_order *o)
 {
 	return o->n > 0 ? &o->entry[o->heap[0].slot] : NULL;
 }

@@ -39,7 +39,7 @@ fw_time fuse_entry_time(const fuse_entry *e);
 void fuse_order_put(fuse_order *o, const fuse_entry *e);
 
 /* The earliest entry; NULL: there is none. */
-const fuse_entry *fuse_order_first(const fuse_order *o);
+fuse_entry *fuse_order_first(fuse_order *o);
 
 /* Takes it out. What fuse_order_first() gave is valid until the next fuse_order_put(). */
 void fuse_order_drop(fuse_order *o);

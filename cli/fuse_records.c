@@ -25,6 +25,7 @@
 #include "furrow_pvt_columns.h"
 #include "furrow_pvt_ecef.h"
 #include "furrow_pvt_ecef_columns.h"
+#include "ins/magnetic_field.h"
 
 #define HAS(r, type, column) (((r)->present >> FW_COL_##type##_##column & 1) != 0)
 
@@ -79,12 +80,28 @@ static bool take_imu(fuse_records *r, const furrow_imu *imu, fw_time t, fuse_ent
 	return true;
 }
 
+/** Weaker than any place of the Earth [uT]: 22 is the least there is. */
+#define NORMALISED_MOST 5
+
+/* A field without a unit gets the strength that the Earth's has there: only its direction is known. */
+static void give_unit(fuse_records *r, fw_time t, double b_ut[static 3])
+{
+	double earth[3];
+	if (!(hypot(hypot(b_ut[0], b_ut[1]), b_ut[2]) < NORMALISED_MOST))
+		return;
+	if (r->unit_ut <= 0 && r->has_first_fix && fw_magnetic_field(r->llh, t, earth) >= 0)
+		r->unit_ut = hypot(hypot(earth[0], earth[1]), earth[2]) * 1e-3;
+	for (int i = 0; i < 3; i++)
+		b_ut[i] *= r->unit_ut > 0 ? r->unit_ut : 50;
+}
+
 static bool take_mag(fuse_records *r, const furrow_mag *mag, fw_time t, fuse_entry *e)
 {
 	const double sensor[3] = {mag->mag_x_ut, mag->mag_y_ut, mag->mag_z_ut};
 	double body[3];
 	e->item = (fw_item){.time = t, .kind = FW_ITEM_FIELD};
 	turn(r, sensor, body);
+	give_unit(r, t, body);
 	if (r->setup.compass != NULL)
 		fw_mag_field(r->setup.compass, body, e->item.field.b_ut);
 	else
@@ -117,18 +134,11 @@ static bool take_setup(fuse_records *r, const furrow_imu_setup *setup)
 
 /* ---- integrity, events ---- */
 
-static fw_integrity state_of(const char *name)
+static fw_integrity_state state_of(const char *name)
 {
-	static const struct {
-		const char *name;
-		fw_integrity state;
-	} states[] = {{"RELIABLE", FW_INTEGRITY_RELIABLE},
-	              {"NO_SBAS", FW_INTEGRITY_NO_SBAS},
-	              {"UNRELIABLE", FW_INTEGRITY_UNRELIABLE},
-	              {"NO_POSITION", FW_INTEGRITY_NO_POSITION}};
-	for (size_t i = 0; name != NULL && i < sizeof states / sizeof states[0]; i++)
-		if (strcmp(name, states[i].name) == 0)
-			return states[i].state;
+	for (fw_integrity_state state = FW_RELIABLE; name != NULL && state <= FW_NO_POSITION; state++)
+		if (strcmp(name, fw_integrity_state_name(state)) == 0)
+			return state;
 	return FW_INTEGRITY_UNKNOWN;
 }
 
@@ -202,6 +212,20 @@ static void assume(fuse_records *r, double R[3][3], const double sd[3])
 	r->without_sigma++;
 }
 
+/* Ambiguities that are no whole numbers: solvers say centimetres, and are off by decimetres. */
+static void distrust(const fuse_records *r, double R[3][3])
+{
+	const double least = r->setup.float_floor_m * r->setup.float_floor_m;
+	for (int i = 0; i < 3; i++)
+		if (R[i][i] > 0 && R[i][i] < least)
+			R[i][i] = least;
+}
+
+static bool is_float(int mode)
+{
+	return mode == 5 || mode == 8;
+}
+
 static void pvt_position_sigma(fuse_records *r, const furrow_pvt *p, double R[3][3])
 {
 	if (HAS_ALL(p, pvt, cov_nn_m2, cov_dd_m2) && HAS_ALL(p, pvt, cov_ne_m2, cov_nd_m2) &&
@@ -233,16 +257,17 @@ static void pvt_velocity_sigma(const furrow_pvt *p, double R[3][3])
 static bool take_pvt(fuse_records *r, const furrow_pvt *p, fw_item *z)
 {
 	r->clock_bias_s = HAS(p, pvt, clock_bias_s) && fabs(p->clock_bias_s) < 0.1 ? p->clock_bias_s : 0;
-	if ((HAS(p, pvt, mode) && p->mode == 0) || (HAS(p, pvt, error) && p->error != 0) ||
-	    !HAS_ALL(p, pvt, lat_deg, height_m)) {
+	if ((HAS(p, pvt, mode) && p->mode == 0) || (HAS(p, pvt, error) && p->error != 0)) {
 		r->no_fix++;
 		return false;
 	}
 	z->fix.has_position = true;
-	z->fix.llh[0] = fw_rad_from_deg(p->lat_deg);
+	z->fix.llh[0] = HAS_ALL(p, pvt, lat_deg, height_m) ? fw_rad_from_deg(p->lat_deg) : (double)NAN;
 	z->fix.llh[1] = fw_rad_from_deg(p->lon_deg);
 	z->fix.llh[2] = p->height_m;
 	pvt_position_sigma(r, p, z->fix.R_position);
+	if (HAS(p, pvt, mode) && is_float(p->mode))
+		distrust(r, z->fix.R_position);
 	if (HAS_ALL(p, pvt, vn_mps, vd_mps)) {
 		z->fix.has_velocity = true;
 		z->fix.velocity_mps[0] = (double)p->vn_mps;
@@ -285,6 +310,8 @@ static bool take_pvt_ecef(fuse_records *r, const furrow_pvt_ecef *p, fw_item *z)
 	} else {
 		assume(r, z->fix.R_position, assumed_sd_m);
 	}
+	if (HAS(p, pvt_ecef, mode) && is_float(p->mode))
+		distrust(r, z->fix.R_position);
 	if (!HAS_ALL(p, pvt_ecef, vx_mps, vz_mps))
 		return true;
 	const double v_e[3] = {(double)p->vx_mps, (double)p->vy_mps, (double)p->vz_mps};
@@ -302,60 +329,56 @@ static bool take_pvt_ecef(fuse_records *r, const furrow_pvt_ecef *p, fw_item *z)
 	return true;
 }
 
-static bool take_pos(fuse_records *r, const furrow_pos *p, fw_item *z)
+/* What a solver other than the receiver says; NULL: nothing. Degrees and metres, m/s, sigmas of both. */
+static bool take_plain(fuse_records *r, const double *place, const double *sd, const double *velocity,
+                       const double *velocity_sd, fw_item *z)
 {
-	if (!HAS_ALL(p, pos, lat_deg, height_m)) {
+	if (place == NULL) {
 		r->no_fix++;
 		return false;
 	}
 	z->fix.has_position = true;
-	z->fix.llh[0] = fw_rad_from_deg(p->lat_deg);
-	z->fix.llh[1] = fw_rad_from_deg(p->lon_deg);
-	z->fix.llh[2] = p->height_m;
-	if (HAS_ALL(p, pos, sd_n_m, sd_d_m))
-		put_deviations(z->fix.R_position, p->sd_n_m, p->sd_e_m, p->sd_d_m);
+	z->fix.llh[0] = fw_rad_from_deg(place[0]);
+	z->fix.llh[1] = fw_rad_from_deg(place[1]);
+	z->fix.llh[2] = place[2];
+	if (sd != NULL)
+		put_deviations(z->fix.R_position, sd[0], sd[1], sd[2]);
 	else
 		assume(r, z->fix.R_position, assumed_sd_m);
-	if (HAS_ALL(p, pos, vn_mps, vd_mps)) {
-		z->fix.has_velocity = true;
-		z->fix.velocity_mps[0] = p->vn_mps;
-		z->fix.velocity_mps[1] = p->ve_mps;
-		z->fix.velocity_mps[2] = p->vd_mps;
-		if (HAS_ALL(p, pos, sd_vn_mps, sd_vd_mps))
-			put_deviations(z->fix.R_velocity, p->sd_vn_mps, p->sd_ve_mps, p->sd_vd_mps);
-		else
-			put_deviations(z->fix.R_velocity, assumed_sd_mps[0], assumed_sd_mps[1],
-			               assumed_sd_mps[2]);
-	}
+	if (velocity == NULL)
+		return true;
+	if (velocity_sd == NULL)
+		velocity_sd = assumed_sd_mps;
+	z->fix.has_velocity = true;
+	memcpy(z->fix.velocity_mps, velocity, sizeof z->fix.velocity_mps);
+	put_deviations(z->fix.R_velocity, velocity_sd[0], velocity_sd[1], velocity_sd[2]);
+	return true;
+}
+
+/* The parts of a pos or nav record for take_plain(). */
+#define PLACE(p, type)                                                                                       \
+	(HAS_ALL(p, type, lat_deg, height_m) ? (const double[3]){p->lat_deg, p->lon_deg, p->height_m} : NULL)
+#define PLACE_SD(p, type)                                                                                    \
+	(HAS_ALL(p, type, sd_n_m, sd_d_m) ? (const double[3]){p->sd_n_m, p->sd_e_m, p->sd_d_m} : NULL)
+#define VELOCITY(p, type)                                                                                    \
+	(HAS_ALL(p, type, vn_mps, vd_mps) ? (const double[3]){p->vn_mps, p->ve_mps, p->vd_mps} : NULL)
+#define VELOCITY_SD(p, type)                                                                                 \
+	(HAS_ALL(p, type, sd_vn_mps, sd_vd_mps)                                                              \
+	     ? (const double[3]){p->sd_vn_mps, p->sd_ve_mps, p->sd_vd_mps}                                   \
+	     : NULL)
+
+static bool take_pos(fuse_records *r, const furrow_pos *p, fw_item *z)
+{
+	if (!take_plain(r, PLACE(p, pos), PLACE_SD(p, pos), VELOCITY(p, pos), VELOCITY_SD(p, pos), z))
+		return false;
+	if (HAS(p, pos, quality) && strcmp(p->quality, "float") == 0)
+		distrust(r, z->fix.R_position);
 	return true;
 }
 
 static bool take_nav(fuse_records *r, const furrow_nav *p, fw_item *z)
 {
-	if (!HAS_ALL(p, nav, lat_deg, height_m)) {
-		r->no_fix++;
-		return false;
-	}
-	z->fix.has_position = true;
-	z->fix.llh[0] = fw_rad_from_deg(p->lat_deg);
-	z->fix.llh[1] = fw_rad_from_deg(p->lon_deg);
-	z->fix.llh[2] = p->height_m;
-	if (HAS_ALL(p, nav, sd_n_m, sd_d_m))
-		put_deviations(z->fix.R_position, p->sd_n_m, p->sd_e_m, p->sd_d_m);
-	else
-		assume(r, z->fix.R_position, assumed_sd_m);
-	if (HAS_ALL(p, nav, vn_mps, vd_mps)) {
-		z->fix.has_velocity = true;
-		z->fix.velocity_mps[0] = p->vn_mps;
-		z->fix.velocity_mps[1] = p->ve_mps;
-		z->fix.velocity_mps[2] = p->vd_mps;
-		if (HAS_ALL(p, nav, sd_vn_mps, sd_vd_mps))
-			put_deviations(z->fix.R_velocity, p->sd_vn_mps, p->sd_ve_mps, p->sd_vd_mps);
-		else
-			put_deviations(z->fix.R_velocity, assumed_sd_mps[0], assumed_sd_mps[1],
-			               assumed_sd_mps[2]);
-	}
-	return true;
+	return take_plain(r, PLACE(p, nav), PLACE_SD(p, nav), VELOCITY(p, nav), VELOCITY_SD(p, nav), z);
 }
 
 /* Left out on purpose, to see how well the INS does without. */
@@ -388,6 +411,7 @@ static bool take_fix(fuse_records *r, fw_kind kind, const void *record, fw_time 
 		t = fw_time_add_ns(t, -llround(r->clock_bias_s * 1e9));
 	e->item.time = t;
 	e->item.fix.has_velocity &= r->setup.use_velocity;
+	memcpy(r->llh, e->item.fix.llh, sizeof r->llh);
 	if (!r->has_first_fix) {
 		r->has_first_fix = true;
 		r->first_fix = t;
@@ -412,8 +436,9 @@ static bool take_heading(fuse_records *r, const furrow_att *a, fw_time t, fuse_e
 	else if (HAS(a, att, cov_hh_deg2))
 		sd_deg = sqrt((double)a->cov_hh_deg2);
 	e->item = (fw_item){.time = t, .kind = FW_ITEM_HEADING};
-	e->item.heading.heading_rad =
-	    fw_wrap_2pi(fw_rad_from_deg((double)a->heading_deg) - r->setup.antenna_heading_rad);
+	e->item.heading.heading_rad = fw_rad_from_deg((double)a->heading_deg) - r->setup.antenna_heading_rad;
+	if (fabs(a->heading_deg) <= 360) /* else it shall be refused */
+		e->item.heading.heading_rad = fw_wrap_2pi(e->item.heading.heading_rad);
 	e->item.heading.sd_rad = fw_rad_from_deg(sd_deg);
 	if (e->item.heading.sd_rad > 0 && e->item.heading.sd_rad < r->setup.heading_floor_rad)
 		e->item.heading.sd_rad = r->setup.heading_floor_rad;

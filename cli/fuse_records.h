@@ -15,6 +15,7 @@ typedef struct {
 
 	fuse_fixes fixes;
 	bool use_velocity;
+	double float_floor_m;       /* least sigma of a position with ambiguities that are not fixed */
 	double antenna_heading_rad; /* of the antennas' baseline in the body: body = measured - this */
 	double heading_floor_rad;   /* least sigma of such a heading that is believed */
 
@@ -29,6 +30,8 @@ typedef struct {
 	bool has_kind; /* the type of record that positions come from is settled */
 	fw_kind kind;
 	double clock_bias_s; /* the receiver's, as it said last */
+	double unit_ut;      /* what a normalised magnetic field is multiplied by; 0: not known yet */
+	double llh[3];       /* of the last fix */
 	bool has_first_fix;
 	fw_time first_fix;
 	bool has_lever;    /* the log says where the antenna is, from the IMU */
@@ -46,8 +49,8 @@ void fuse_records_begin(fuse_records *r, const fuse_records_setup *setup);
 /* The types of records that are looked at. */
 void fuse_records_kinds(fw_kind_set *set);
 
-/* What a record is to the filter. Returns false if it is nothing: *e is then undefined. Missing numbers of IMU samples and
- * magnetometers become NaN, for the filter to refuse and count. */
+/* What a record is to the filter. Returns false if it is nothing: *e is then undefined. Missing numbers of IMU samples,
+ * magnetometers and of fixes that a receiver says it has become NaN, for the filter to refuse and count. */
 bool fuse_records_take(fuse_records *r, fw_kind kind, const void *record, fw_time t, fuse_entry *e);
 
 #endif

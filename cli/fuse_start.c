@@ -21,6 +21,7 @@
 enum {
 	TRY_EVERY_NS = 250000000, /* how often it is tried */
 	FRESH_NS = 1500000000,    /* a heading older than this is none */
+	REST_OLD_NS = 1000000000 /* how long a vehicle has to stand on for means of standing to be believed */
 };
 
 /* With no better way in sight for so long, a coarser one will do [s]. */
@@ -90,7 +91,8 @@ fw_status fuse_start_begin(fuse_start *s, const fuse_start_setup *setup)
 	s->interval_s = 0;
 	s->first_reading = s->end_reading = s->motion_reading = 0;
 	s->first_item = s->end_item = 0;
-	s->has_fix = s->has_heading = s->has_field = s->has_rest = s->has_push_from = s->push.known = false;
+	s->has_fix = s->has_heading = s->has_field = s->has_push_from = false;
+	s->push.known = s->young.known = s->standing.known = s->rest.known = false;
 	s->moving_s = 0;
 	s->tried = (fw_time){0};
 	return FW_OK;
@@ -109,14 +111,28 @@ static bool is_vector(const double v[static 3], double most)
 /* FW_REFUSED_COUNT: nothing is wrong with it. */
 static fw_refusal examine(const fuse_start *s, const fw_imu_reading *r)
 {
-	if (!isfinite(r->gyro_radps[0] + r->gyro_radps[1] + r->gyro_radps[2] + r->accel_mps2[0] +
-	              r->accel_mps2[1] + r->accel_mps2[2]))
-		return FW_REFUSED_NOT_FINITE;
-	if (!is_vector(r->gyro_radps, 60) || !is_vector(r->accel_mps2, 500))
-		return FW_REFUSED_RANGE;
-	if (has_reading(s) && r->time.ns <= s->last.ns)
+	const fw_refusal why = fw_examine_reading(r, fw_loose_defaults.gyro_max, fw_loose_defaults.accel_max);
+	if (why == FW_REFUSED_COUNT && has_reading(s) && r->time.ns <= s->last.ns)
 		return r->time.ns == s->last.ns ? FW_REFUSED_DUPLICATE : FW_REFUSED_BACKWARDS;
-	return FW_REFUSED_COUNT;
+	return why;
+}
+
+/* Means of standing still: the newest ones come of age when the vehicle still stands REST_OLD_NS later. */
+static void note_rest(fuse_start *s, fw_time t)
+{
+	fuse_rest now = {.known = true, .until = t};
+	if (fw_stillness_averages(&s->stillness, &now.means) != FW_OK) {
+		s->young.known = s->standing.known = false;
+		return;
+	}
+	if (s->young.known && t.ns - s->young.until.ns < REST_OLD_NS)
+		return;
+	if (s->young.known) {
+		s->standing = s->young;
+		if (!s->rest.known || s->standing.means.seconds >= s->rest.means.seconds)
+			s->rest = s->standing;
+	}
+	s->young = now;
 }
 
 static void put_reading(fuse_start *s, const fw_imu_reading *r)
@@ -131,13 +147,8 @@ static void put_reading(fuse_start *s, const fw_imu_reading *r)
 		s->interval_s = s->interval_s <= 0 ? dt : s->interval_s + 0.02 * (dt - s->interval_s);
 	keep_reading(s, r);
 	s->last = r->time;
-	fw_stillness_means rest;
-	if (fw_stillness_imu(&s->stillness, r->time, r->gyro_radps, r->accel_mps2) == FW_OK &&
-	    s->stillness.still && fw_stillness_averages(&s->stillness, &rest) == FW_OK &&
-	    (!s->has_rest || rest.seconds >= s->rest.seconds)) {
-		s->rest = rest;
-		s->has_rest = true;
-	}
+	(void)!fw_stillness_imu(&s->stillness, r->time, r->gyro_radps, r->accel_mps2);
+	note_rest(s, r->time);
 	for (int i = 0; i < 3; i++)
 		s->push_sum[i] += r->accel_mps2[i];
 	s->push_n++;
@@ -365,7 +376,8 @@ static void bias_at_rest(const fuse_start *s, const fw_stillness_means *m, const
 	fw_earth_at(s->fix.fix.llh, still, &earth);
 	fw_mat3_t_vec(C, earth.omega_ie_n, omega_ie_b);
 	const double turned = earth.omega_ie_n[0] * fmin(heading_sd, 1.4),
-	             sd = hypot(2 * s->setup.imu.gyro_noise / sqrt(m->seconds), turned);
+	             sd = hypot(hypot(2 * s->setup.imu.gyro_noise / sqrt(m->seconds), turned),
+	                        s->setup.gyro_bias_walk);
 	for (int i = 0; i < 3; i++) {
 		if (!(sd < f->bias_sd[i]))
 			continue;
@@ -376,20 +388,20 @@ static void bias_at_rest(const fuse_start *s, const fw_stillness_means *m, const
 
 static fw_status find_still(const fuse_start *s, bool last, finding *f)
 {
-	fw_stillness_means m;
+	const fw_stillness_means *m = &s->standing.means;
 	double rp[2], sd[2], heading = 0, heading_sd = 1.8; /* sigma of a heading that can be any */
 	fw_alignment a;
-	if (fw_stillness_averages(&s->stillness, &m) != FW_OK || m.seconds < 1)
+	if (!s->standing.known || m->seconds < 1)
 		return FW_MORE;
 	const double gravity = fw_gravity_mps2(s->fix.fix.llh[0], s->fix.fix.llh[2]);
-	if (fw_align_level(m.force_b, m.seconds, gravity, &s->setup.imu, rp, sd) != FW_OK)
+	if (fw_align_level(m->force_b, m->seconds, gravity, &s->setup.imu, rp, sd) != FW_OK)
 		return FW_MORE;
 	const char *way = "heading unknown";
 	const bool known = find_heading(s, rp, last, &heading, &heading_sd, &way);
 	if (!known && may(s, FUSE_ALIGN_GYROCOMPASS) &&
-	    fw_align_gyrocompass(m.force_b, m.omega_ib_b, m.seconds, s->fix.fix.llh, &s->setup.imu,
+	    fw_align_gyrocompass(m->force_b, m->omega_ib_b, m->seconds, s->fix.fix.llh, &s->setup.imu,
 	                         s->setup.limit_rad, &a) == FW_OK) {
-		set_finding(&a, USED_TWICE, s->last, "gyrocompass", f);
+		set_finding(&a, USED_TWICE, s->standing.until, "gyrocompass", f);
 		return FW_OK;
 	}
 	if (!known && !(last && s->setup.way == FUSE_ALIGN_AUTO))
@@ -397,8 +409,8 @@ static fw_status find_still(const fuse_start *s, bool last, finding *f)
 	const double rpy[3] = {rp[0], rp[1], heading}, rpy_sd[3] = {sd[0], sd[1], heading_sd};
 	if (fw_align_from_angles(rpy, rpy_sd, &a) != FW_OK)
 		return FW_MORE;
-	set_finding(&a, 1, s->last, known ? way : "heading unknown", f);
-	bias_at_rest(s, &m, a.q_n_b, heading_sd, f);
+	set_finding(&a, 1, s->standing.until, known ? way : "heading unknown", f);
+	bias_at_rest(s, m, a.q_n_b, heading_sd, f);
 	return FW_OK;
 }
 
@@ -418,7 +430,7 @@ static fw_status find_motion(fuse_start *s, bool last, finding *f)
 		if (!(USED_TWICE * answer.gyro_bias_sd[i] < f->bias_sd[i]))
 			continue;
 		f->bias[i] = answer.gyro_bias[i];
-		f->bias_sd[i] = USED_TWICE * answer.gyro_bias_sd[i];
+		f->bias_sd[i] = hypot(USED_TWICE * answer.gyro_bias_sd[i], s->setup.gyro_bias_walk);
 	}
 	return FW_OK;
 }
@@ -476,7 +488,7 @@ static fw_status find_moving(const fuse_start *s, bool last, finding *f)
 /* How far back the attitude can be carried before the gyros have spoiled it [s]. */
 static double carry_s(const finding *f, double gyro_noise)
 {
-	const double sd = f->heading_sd, most = fmin(fmax(3 * sd, 2 * DEG), fmax(sd, 10 * DEG)),
+	const double sd = f->heading_sd, most = fmin(fmax(3 * sd, 2 * DEG), fmax(1.2 * sd, 10 * DEG)),
 	             room = fmax(most * most - sd * sd, 0),
 	             bias = fmax(f->bias_sd[0], fmax(f->bias_sd[1], f->bias_sd[2])), b2 = bias * bias,
 	             n2 = gyro_noise * gyro_noise;
@@ -484,37 +496,57 @@ static double carry_s(const finding *f, double gyro_noise)
 	return b2 > 0 ? (-n2 + sqrt(n2 * n2 + 4 * b2 * room)) / (2 * b2) : n2 > 0 ? room / n2 : 1e9;
 }
 
-/* Do two fixes belong to one way? A wrong one, far away, shall not be where all begins. */
+/* How far a fix is from where another one and its velocity lead [m], NED. */
+static void apart(const fw_item *a, const fw_item *b, double ned[static 3])
+{
+	const double dt = fw_time_diff_s(b->time, a->time);
+	displacement(a->fix.llh, b->fix.llh, ned);
+	for (int i = 0; is_velocity(a) && i < 3; i++)
+		ned[i] -= a->fix.velocity_mps[i] * dt;
+}
+
+/* Do two fixes belong to one way? A wrong one shall not be where all begins. */
 static bool agree(const fw_item *a, const fw_item *b)
 {
-	double ned[3];
-	displacement(a->fix.llh, b->fix.llh, ned);
+	double off[3];
+	apart(a, b, off);
 	const double dt = fabs(fw_time_diff_s(b->time, a->time)),
-	             speed = is_velocity(a) ? hypot(a->fix.velocity_mps[0], a->fix.velocity_mps[1]) : 30,
-	             sd = horizontal_sd(a->fix.R_position) + horizontal_sd(b->fix.R_position);
-	return hypot(ned[0], ned[1]) < 10 + 5 * sd + (speed + 5) * dt + 5 * dt * dt;
+	             room = 2 + (is_velocity(a) ? 1 : 35) * dt + 3 * dt * dt,
+	             sd_h = hypot(horizontal_sd(a->fix.R_position), horizontal_sd(b->fix.R_position)),
+	             sd_v = sqrt(a->fix.R_position[2][2] + b->fix.R_position[2][2]);
+	return hypot(off[0], off[1]) < room + 5 * sd_h && fabs(off[2]) < room + 5 * sd_v;
+}
+
+/* The fix after number `after`; end_item: none. */
+static uint64_t next_fix(const fuse_start *s, uint64_t after)
+{
+	uint64_t i = after + 1;
+	while (i < s->end_item && !is_fix(item_at(s, i)))
+		i++;
+	return i;
 }
 
 static bool is_credible(const fuse_start *s, uint64_t number)
 {
 	int others = 0, agreeing = 0;
-	for (uint64_t i = number + 1; i < s->end_item && others < 3; i++) {
-		if (!is_fix(item_at(s, i)))
-			continue;
+	for (uint64_t i = next_fix(s, number); i < s->end_item && others < 3; i = next_fix(s, i)) {
 		others++;
 		agreeing += agree(item_at(s, number), item_at(s, i));
 	}
 	return others == 0 || 2 * agreeing > others;
 }
 
-/* The first fix that can be begun with; end_item: none. */
-static uint64_t first_fix(const fuse_start *s, fw_time not_before)
+/* The first fix that can be begun with; end_item: none. *strays counts those that were passed over. */
+static uint64_t first_fix(const fuse_start *s, fw_time not_before, unsigned *strays)
 {
+	*strays = 0;
 	for (uint64_t i = s->first_item; i < s->end_item; i++) {
 		const fw_item *item = item_at(s, i);
-		if (is_fix(item) && item->time.ns >= not_before.ns && item->time.ns <= s->last.ns &&
-		    is_credible(s, i))
+		if (!is_fix(item) || item->time.ns < not_before.ns || item->time.ns > s->last.ns)
+			continue;
+		if (is_credible(s, i))
 			return i;
+		++*strays;
 	}
 	return s->end_item;
 }
@@ -594,18 +626,21 @@ static void place(const fuse_start *s, uint64_t number, uint64_t at, fuse_beginn
 	const double swing_b[3] = {w[1] * l[2] - w[2] * l[1], w[2] * l[0] - w[0] * l[2],
 	                           w[0] * l[1] - w[1] * l[0]};
 	const double since = fw_time_diff_s(fix->time, r->time);
-	double C[3][3], lever_n[3], swing_n[3], v[3];
+	double C[3][3], lever_n[3], swing_n[3], v[3], off[3] = {0};
 	fw_earth earth;
 	fw_quat_to_matrix(b->pva.q_n_b, C);
 	fw_mat3_vec(C, l, lever_n);
 	fw_mat3_vec(C, swing_b, swing_n);
 	velocity_at(s, number, v, b->velocity_sd);
+	if (next_fix(s, number) < s->end_item) /* which of the two is wrong? */
+		apart(fix, item_at(s, next_fix(s, number)), off);
 	fw_earth_at(fix->fix.llh, v, &earth);
 	b->pva.time = since >= 0 ? r->time : fix->time; /* within the interval of the first reading */
 	for (int i = 0; i < 3; i++) {
 		b->pva.velocity_mps[i] = v[i] - swing_n[i];
 		lever_n[i] += v[i] * fmax(since, 0);
-		b->position_sd[i] = fmin(2 * sqrt(fix->fix.R_position[i][i]), 1000) + 0.05;
+		b->position_sd[i] =
+		    fmax(fmin(2 * sqrt(fix->fix.R_position[i][i]), 1000) + 0.05, fabs(off[i]));
 	}
 	b->pva.llh[0] = fix->fix.llh[0] - lever_n[0] / earth.M_m;
 	b->pva.llh[1] = fw_wrap_pi(fix->fix.llh[1] - lever_n[1] / (earth.N_m * earth.cos_lat));
@@ -620,11 +655,12 @@ static fw_status begin_with(const fuse_start *s, finding *f, fuse_beginning *b)
 	fw_time not_before = fw_time_add_ns(f->t, -llround(back_s * 1e9));
 	if (not_before.ns < first.ns)
 		not_before = first;
-	const uint64_t number = first_fix(s, not_before);
+	unsigned strays;
+	const uint64_t number = first_fix(s, not_before, &strays);
 	if (number == s->end_item)
 		return FW_MORE;
 	const uint64_t at = reading_before(s, item_at(s, number)->time), from = reading_before(s, f->t);
-	*b = (fuse_beginning){.way = f->way, .has_gyro_bias = true};
+	*b = (fuse_beginning){.way = f->way, .has_gyro_bias = true, .stray_fixes = strays};
 	memcpy(b->pva.q_n_b, f->q_n_b, sizeof f->q_n_b);
 	carry_back(s, f, from, at, b->pva.q_n_b);
 	const double carried = at < from ? fw_time_diff_s(f->t, reading_at(s, at)->time) : 0,
@@ -650,8 +686,8 @@ fw_status fuse_start_try(fuse_start *s, bool last, fuse_beginning *b)
 	if (find_still(s, false, &f) != FW_OK && find_motion(s, last, &f) != FW_OK &&
 	    find_moving(s, last, &f) != FW_OK && (!last || find_still(s, true, &f) != FW_OK))
 		return FW_MORE;
-	if (s->has_rest && strcmp(f.way, "gyrocompass") != 0)
-		bias_at_rest(s, &s->rest, f.q_n_b, 1.4, &f);
+	if (s->rest.known && strcmp(f.way, "gyrocompass") != 0)
+		bias_at_rest(s, &s->rest.means, f.q_n_b, 1.4, &f);
 	return begin_with(s, &f, b);
 }
 

@@ -27,6 +27,7 @@ typedef struct {
 	double heading_rad, heading_sd_rad; /* given */
 	double limit_rad;                   /* a heading sigma that is good enough */
 	fw_align_imu imu;
+	double gyro_bias_walk; /* what the bias changes during the run: no bias is known better than that [rad/s] */
 	double lever_b[3];
 	fw_stillness_setup still;
 	double gap_s; /* a gap of the IMU that ends what is known */
@@ -42,7 +43,8 @@ typedef struct {
 	double attitude_sd[3], velocity_sd[3], position_sd[3];
 	bool has_gyro_bias;
 	double gyro_bias[3], gyro_bias_sd[3];
-	const char *way; /* in a few words */
+	const char *way;      /* in a few words */
+	unsigned stray_fixes; /* passed over: the next ones are somewhere else */
 	double heading_sd_rad;
 } fuse_beginning;
 
@@ -54,6 +56,14 @@ typedef struct {
 	fw_time time;
 	double force_b[3], force_n[3]; /* means over a second or so [m/s^2] */
 } fuse_push;
+
+/* Means of a stretch of standing still up to a moment. A vehicle that begins to move does so slowly: they are believed when
+ * it still stands some time later. */
+typedef struct {
+	bool known;
+	fw_time until;
+	fw_stillness_means means;
+} fuse_rest;
 
 /* Owned by the caller, 14 MiB, of which no more is touched than is kept. */
 typedef struct {
@@ -75,8 +85,9 @@ typedef struct {
 	fw_item fix, heading, field;
 	fw_time tried;   /* when it was tried last */
 	double moving_s; /* how long the vehicle has been moving */
-	bool has_rest;
-	fw_stillness_means rest; /* the longest stretch of standing still */
+	fuse_rest young,
+	    standing; /* of this stretch of standing still: the newest, and one that is old enough to be believed */
+	fuse_rest rest; /* of the longest stretch */
 	bool has_push_from;
 	fw_item push_from; /* the fix at the begin of the push under way */
 	double push_sum[3], push_n;

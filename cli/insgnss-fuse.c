@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/frame.h"
 #include "formats/sbf_decoder.h"
@@ -37,15 +38,19 @@ static fuse_order order;
 static fuse_start start;
 static fw_loose loose;
 static fuse_smooth smooth;
+static fuse_compass compass;
 
 /* The run of the tool, which may have several runs of the filter. */
 static struct {
-	fuse_output out; /* and its sink, where all other records go too */
-	bool pass_on;    /* a stream: what was read goes on */
+	fuse_output out;  /* and its sink, where all other records go too */
+	bool pass_on;     /* a stream: what was read goes on */
+	bool calibrating; /* a first time through the log, for the compass: nothing is put out */
 	fuse_rate rate;
 	fuse_beginning beginning; /* of the run that is about to begin */
 	fw_time last_row;
 	uint64_t runs, rows, bad_rows, unseen_events;
+	uint64_t wrong_times; /* records whose time cannot be */
+	fw_kind_set used;     /* types that the filter takes */
 } run;
 
 /* ---- out ---- */
@@ -67,7 +72,9 @@ static void put_moment(const fw_loose *l)
 static void on_sample(void *unused, const fw_loose *l)
 {
 	(void)unused;
-	if (fuse_rate_keeps(&run.rate, l->filter.pva.time))
+	if (run.calibrating)
+		fuse_compass_attitude(&compass, l);
+	else if (fuse_rate_keeps(&run.rate, l->filter.pva.time))
 		put_moment(l);
 }
 
@@ -75,7 +82,8 @@ static void on_event(void *unused, const fw_loose *l, uint64_t number)
 {
 	(void)unused;
 	(void)number;
-	put_moment(l);
+	if (!run.calibrating)
+		put_moment(l);
 }
 
 static void on_node(void *unused, const fw_loose *l)
@@ -122,7 +130,7 @@ static void put_gap(fw_time from, fw_time until)
 
 static void end_run(void)
 {
-	if (config.smooth)
+	if (config.smooth && !run.calibrating)
 		run.bad_rows += fuse_smooth_run(&smooth, &run.out);
 }
 
@@ -155,6 +163,7 @@ static void take_kept(void *unused, const fuse_entry *e)
 		                      b->has_gyro_bias ? b->gyro_bias : NULL,
 		                      b->has_gyro_bias ? b->gyro_bias_sd : NULL);
 		run.beginning.way = NULL;
+		loose.counts.refused[FW_ITEM_FIX][FW_REFUSED_GATE] += b->stray_fixes;
 	}
 	if (loose.running)
 		feed(e);
@@ -179,27 +188,31 @@ static bool try_to_begin(bool last)
 	if (fuse_start_try(&start, last, b) != FW_OK)
 		return false;
 	fw_time_to_gps_s(b->pva.time, &week, &tow_s);
-	tool_note(&self, "%d:%.3f: begins, heading %.1f +- %.1f degrees (%s)", week, tow_s,
-	          fw_deg_from_rad(fw_wrap_2pi(atan2(
-	              2 * (b->pva.q_n_b[0] * b->pva.q_n_b[3] + b->pva.q_n_b[1] * b->pva.q_n_b[2]),
-	              1 - 2 * (b->pva.q_n_b[2] * b->pva.q_n_b[2] + b->pva.q_n_b[3] * b->pva.q_n_b[3])))),
-	          fw_deg_from_rad(b->heading_sd_rad), b->way);
-	if (run.runs++ > 0)
+	if (!run.calibrating)
+		tool_note(
+		    &self, "%d:%.3f: begins, heading %.1f +- %.1f degrees (%s)", week, tow_s,
+		    fw_deg_from_rad(fw_wrap_2pi(atan2(
+		        2 * (b->pva.q_n_b[0] * b->pva.q_n_b[3] + b->pva.q_n_b[1] * b->pva.q_n_b[2]),
+		        1 - 2 * (b->pva.q_n_b[2] * b->pva.q_n_b[2] + b->pva.q_n_b[3] * b->pva.q_n_b[3])))),
+		    fw_deg_from_rad(b->heading_sd_rad), b->way);
+	if (run.runs++ > 0 && !run.calibrating)
 		put_gap(run.last_row, b->pva.time);
 	fuse_start_replay(&start, b->pva.time, take_early, take_kept, NULL);
 	return loose.running;
 }
 
-static void take(const fuse_entry *e)
+static void take(fuse_entry *e)
 {
-	if (!loose.running && fuse_start_breaks(&start, e) && !try_to_begin(true))
+	if (!loose.running && fuse_start_breaks(&start, e) && !try_to_begin(true)) {
+		loose.counts.gaps++;
 		begin_anew();
+	}
 	if (loose.running) {
 		feed(e);
 		if (loose.running)
 			return;
 	}
-	if (fuse_start_put(&start, e))
+	if ((e->is_imu || fw_loose_usable(&loose, &e->item)) && fuse_start_put(&start, e))
 		(void)try_to_begin(false);
 }
 
@@ -208,13 +221,31 @@ static void take(const fuse_entry *e)
 /* Hands the filter what is in order by now. */
 static void take_ready(fw_time horizon)
 {
-	const fuse_entry *e;
+	fuse_entry *e;
 	while ((e = fuse_order_first(&order)) != NULL &&
-	       (order.n == FUSE_ORDER || horizon.ns == INT64_MAX ||
-	        fuse_entry_time(e).ns < horizon.ns - config.window_ns)) {
+	       (order.n == FUSE_ORDER || fuse_entry_time(e).ns < horizon.ns - config.window_ns)) {
+		if (run.calibrating && !e->is_imu)
+			fuse_compass_item(&compass, &e->item);
 		take(e);
 		fuse_order_drop(&order);
 	}
+}
+
+static void refuse_time(void)
+{
+	run.wrong_times++;
+	if (!run.calibrating)
+		tool_warn(&self, CAUSE_REFUSED, "record refused: its time cannot be");
+}
+
+/* The end: nothing earlier comes any more. What is far ahead of everything else never had its time. */
+static void take_rest(void)
+{
+	const fw_time last = fw_time_add_ns(fuse_inputs_latest(&inputs), FUSE_LEAP_NS);
+	take_ready(fw_time_add_ns(last, config.window_ns));
+	for (; order.n > 0; fuse_order_drop(&order))
+		refuse_time();
+	fw_loose_end(&loose);
 }
 
 static void read_all(void)
@@ -222,8 +253,10 @@ static void read_all(void)
 	fuse_record r;
 	fuse_entry e;
 	while (fuse_inputs_next(&inputs, &r)) {
-		if (run.pass_on || r.kind == FW_meta)
+		if (!run.calibrating && (run.pass_on || r.kind == FW_meta))
 			run.out.to.put(run.out.to.context, r.kind, r.record);
+		if (r.mistimed && fw_kind_in(&run.used, r.kind))
+			refuse_time();
 		if (!r.timed || !fuse_records_take(&records, r.kind, r.record, r.time, &e))
 			continue;
 		fuse_order_put(&order, &e);
@@ -231,7 +264,7 @@ static void read_all(void)
 	}
 	if (tool_interrupted() || sinks_failed(&sinks))
 		return;
-	take_ready((fw_time){INT64_MAX});
+	take_rest();
 	if (!loose.running && start.end_reading > start.first_reading)
 		(void)try_to_begin(true);
 	end_run();
@@ -251,16 +284,31 @@ static int is_stdin(const char *path)
 	return path != NULL && strcmp(path, "-") == 0;
 }
 
+static int is_file(const char *path)
+{
+	struct stat st;
+	return path == NULL || (!is_stdin(path) && (stat(path, &st) != 0 || S_ISREG(st.st_mode)));
+}
+
+/* Standard input is one file; and to calibrate the compass all have to be read twice. */
 static int check_files(int n, char **files)
 {
-	int stdins = n == 0;
-	for (int i = 0; i < NAMED; i++)
-		stdins += is_stdin(options_text(&opts, named[i].name));
-	for (int i = 0; i < n; i++)
-		stdins += is_stdin(files[i]);
-	if (stdins > 1)
+	int stdins = n == 0, twice = n > 0;
+	for (int i = 0; i < NAMED + n; i++) {
+		const char *path = i < NAMED ? options_text(&opts, named[i].name) : files[i - NAMED];
+		stdins += is_stdin(path);
+		twice &= is_file(path);
+	}
+	if (stdins > 1) {
 		tool_error(&self, "standard input can be one file only");
-	return stdins > 1 ? EXIT_USAGE : EXIT_COMPLETE;
+		return EXIT_USAGE;
+	}
+	if (!twice && config.compass_way >= FUSE_COMPASS_TURNING) {
+		tool_error(&self, "--compass-calibration %s reads files twice: a pipe cannot be",
+		           options_text(&opts, "compass-calibration"));
+		return EXIT_USAGE;
+	}
+	return EXIT_COMPLETE;
 }
 
 /* Of a file that --imu names only sensors are taken. */
@@ -312,7 +360,8 @@ static int make_plan(sink_plan *sink, source_plan *source)
 	run.pass_on = stream;
 	run.rate = config.rate;
 	run.last_row = (fw_time){INT64_MIN};
-	fuse_records_kinds(&source->wanted);
+	fuse_records_kinds(&run.used);
+	source->wanted = run.used;
 	for (fw_kind kind = 0; run.pass_on && kind < FW_RECORD_COUNT; kind++)
 		fw_kind_add(&source->wanted, kind);
 	source->table = FW_RECORD_COUNT;
@@ -341,6 +390,22 @@ static uint64_t list_refused(const uint64_t counts[static FW_REFUSED_COUNT], con
 	return sum;
 }
 
+/* Fixes whose errors stay a while agree with each other better than with the truth: the filter follows them, and its sigmas know
+ * nothing of it. Their innovations tell. */
+static void judge_innovations(const fw_loose_counts *c)
+{
+	const double nis = c->position_nis_rows > 0 ? c->position_nis_sum / (double)c->position_nis_rows : 1;
+	const char *hint = "";
+	if (c->position_nis_rows == 0)
+		return;
+	if (nis < 0.5 && config.loose.adapt.mode != FW_ADAPT_GM)
+		hint = "; their errors seem to stay a while, which the sigmas here do not know: --adapt gm";
+	else if (nis > 2)
+		hint = "; fixes or IMU are worse than they are said to be";
+	tool_note(&self, "innovations of positions, squared over their variance: %.2f on average (1 expected)%s", nis,
+	          hint);
+}
+
 /* What was refused, and what else the user should know. Returns how much was refused. */
 static uint64_t summarise(void)
 {
@@ -357,13 +422,15 @@ static uint64_t summarise(void)
 	          "%" PRIu64 " IMU samples, %" PRIu64 " fixes, %" PRIu64 " headings used; %" PRIu64
 	          " gaps bridged; %" PRIu64 " rows",
 	          c->samples, c->used[FW_ITEM_FIX], c->used[FW_ITEM_HEADING], c->bridged, run.rows);
-	if (c->nis_rows > 0 && self.verbose)
-		tool_note(&self, "innovations squared over their covariance: %.3f on average (1 expected)",
-		          c->nis_sum / (double)c->nis_rows);
+	judge_innovations(c);
 	if (refused > 0)
 		tool_note(&self, "refused: %s", line);
 	if (c->gaps > 0)
 		tool_note(&self, "%" PRIu64 " gaps of the IMU, each followed by a new beginning", c->gaps);
+	if (c->strayed > 0)
+		tool_note(&self, "%" PRIu64 " runs ended because all fixes were somewhere else", c->strayed);
+	if (run.wrong_times > 0)
+		tool_note(&self, "%" PRIu64 " records with a time that cannot be", run.wrong_times);
 	if (start.lost > 0)
 		tool_note(&self, "%" PRIu64 " records came too long before the first attitude was found",
 		          start.lost);
@@ -379,7 +446,7 @@ static uint64_t summarise(void)
 		tool_note(&self, "smoothing took %.0f MiB, %.0f MiB of them in a file",
 		          (double)smooth.budget.most / 1048576,
 		          fmax(0, (double)smooth.budget.most - (double)config.memory) / 1048576);
-	return refused + c->gaps + run.bad_rows;
+	return refused + c->gaps + c->strayed + run.wrong_times + run.bad_rows;
 }
 
 static int finish(const source_totals *totals, int status)
@@ -409,31 +476,68 @@ static int finish(const source_totals *totals, int status)
 	return complete ? EXIT_COMPLETE : EXIT_PARTIAL;
 }
 
-/* --help and the like have been printed; has it arrived? */
-static int end_answer(void)
+/* Gets filter and alignment ready. Returns EXIT_COMPLETE or, after a message, EXIT_USAGE. */
+static int get_ready(const fw_loose_options *o, const fuse_start_setup *s, const fw_loose_hooks *hooks)
 {
-	int failed = ferror(stdout);
-	if (fclose(stdout) == 0 && !failed)
+	memset(start.refused, 0, sizeof start.refused);
+	start.lost = 0;
+	order.n = order.n_free = order.slots = 0;
+	fuse_records_begin(&records, &config.records);
+	if (fw_loose_init(&loose, o, hooks) == FW_OK && fuse_start_begin(&start, s) == FW_OK)
 		return EXIT_COMPLETE;
-	tool_error(&self, "standard output: %s", strerror(errno));
-	return EXIT_IO;
+	tool_error(&self, "these options do not go together");
+	return EXIT_USAGE;
 }
 
-/* Gets filter, alignment and smoother ready. Returns EXIT_COMPLETE or, after a message, EXIT_USAGE. */
 static int begin(void)
 {
 	const fw_loose_hooks hooks = {.sample = on_sample,
 	                              .mark = on_event,
 	                              .node = config.smooth ? on_node : NULL,
 	                              .refused = on_refused};
-	fuse_records_begin(&records, &config.records);
-	if (fw_loose_init(&loose, &config.loose, &hooks) != FW_OK ||
-	    fuse_start_begin(&start, &config.start) != FW_OK) {
-		tool_error(&self, "these options do not go together");
-		return EXIT_USAGE;
-	}
 	if (config.smooth)
 		fuse_smooth_begin(&smooth, config.memory);
+	return get_ready(&config.loose, &config.start, &hooks);
+}
+
+/* A first time through the log, without the magnetometer, to learn what iron does to it. Returns an exit status. */
+static int calibrate(int n, char **files, const source_plan *plan)
+{
+	const fw_loose_hooks hooks = {.sample = on_sample};
+	fw_loose_options o = config.loose;
+	tool silent = {.name = self.name, .quiet = 1};
+	source_totals unused = {0};
+	source_plan p = *plan;
+	char text[200];
+	o.use_field = o.use_table = false;
+	p.sinks = NULL;
+	p.progress = "never";
+	if (get_ready(&o, &config.start, &hooks) != EXIT_COMPLETE)
+		return EXIT_USAGE;
+	run.calibrating = true;
+	fuse_compass_begin(&compass, config.loose.declination_rad);
+	fuse_inputs_begin(&inputs, &silent, NULL);
+	int status = open_all(n, files, &p);
+	if (status == EXIT_COMPLETE)
+		read_all();
+	const int read = fuse_inputs_end(&inputs, &unused);
+	run.calibrating = false;
+	run.runs = 0;
+	run.unseen_events = run.wrong_times = 0;
+	if (status >= EXIT_USAGE || read >= EXIT_USAGE)
+		return read > status ? read : status;
+	const fw_status found = fuse_compass_solve(&compass, config.compass_way, &config.compass);
+	if (found < 0 || found == FW_MORE) {
+		tool_note(&self, "compass not calibrated: %s",
+		          found == FW_MORE ? "too few readings with an attitude"
+		                           : "the motion shows too little");
+		return EXIT_COMPLETE;
+	}
+	config.records.compass = &config.compass;
+	fuse_compass_print(&config.compass, text, sizeof text);
+	tool_note(&self, "compass calibrated to %.1f degrees%s: %s",
+	          fw_deg_from_rad(config.compass.heading_sd_rad), config.compass.flat ? ", near level" : "",
+	          text);
 	return EXIT_COMPLETE;
 }
 
@@ -446,22 +550,26 @@ int main(int argc, char **argv)
 	opts.n = fuse_option_count;
 	tool_hold_standard_streams();
 	switch (options_parse(&opts, argc, argv)) {
-	case OPTIONS_DONE: return end_answer();
+	case OPTIONS_DONE: return tool_end_answer(&self);
 	case OPTIONS_WRONG: return EXIT_USAGE;
 	case OPTIONS_FAILED: return EXIT_IO;
 	case OPTIONS_RUN: break;
 	}
 	const int n = argc - opts.first_file;
 	char **files = argv + opts.first_file;
-	if (make_plan(&to, &from) != EXIT_COMPLETE || check_files(n, files) != EXIT_COMPLETE ||
-	    begin() != EXIT_COMPLETE)
+	if (make_plan(&to, &from) != EXIT_COMPLETE || check_files(n, files) != EXIT_COMPLETE)
 		return EXIT_USAGE;
 	tool_catch_signals();
+	int status = config.compass_way >= FUSE_COMPASS_TURNING ? calibrate(n, files, &from) : EXIT_COMPLETE;
+	if (tool_interrupted())
+		return tool_die_of(tool_interrupted());
+	if (status != EXIT_COMPLETE || (status = begin()) != EXIT_COMPLETE)
+		return status;
 	if (sinks_begin(&sinks, &to, &self, &opts, argc, argv) != FW_OK)
 		return tool_interrupted() ? tool_die_of(tool_interrupted()) : EXIT_IO;
 	run.out = (fuse_output){sinks_head(&sinks), config.misalignment_rad};
 	fuse_inputs_begin(&inputs, &self, &sinks);
-	int status = open_all(n, files, &from);
+	status = open_all(n, files, &from);
 	if (status == EXIT_COMPLETE)
 		read_all();
 	const int read = fuse_inputs_end(&inputs, &totals);

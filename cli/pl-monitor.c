@@ -55,7 +55,7 @@ static struct {
 	bool pass_on;       /* a stream: what was read goes on */
 	fw_sink to;
 	uint64_t epochs, transitions;
-	uint64_t refused;    /* epochs that are not after the one before */
+	uint64_t refused;    /* epochs that are not after the one before, or whose time cannot be */
 	int behind;          /* how many of these just now followed each other, ... */
 	fw_time last_behind; /* ... up to this one */
 	uint64_t replaced;   /* states that others had put into the input */
@@ -196,6 +196,17 @@ static bool is_inside(const void *record, fw_time *t)
 	       (until == NULL || t->ns < until->ns);
 }
 
+/* A time that cannot be, which is more than none. */
+static void refuse_time(fw_kind kind, const void *record)
+{
+	fw_time t;
+	const fw_status status = fw_record_time(record, &t);
+	if (status >= 0 || status == FW_EINVAL || (kind != FW_pvt && kind != FW_pvt_ecef && kind != FW_dop))
+		return;
+	run.refused++;
+	tool_warn(&self, CAUSE_ROW, "a record whose time cannot be, left out");
+}
+
 /* A record that was read. The rows of an epoch follow the record that completes it. */
 static void take(void *unused, fw_kind kind, const void *record)
 {
@@ -212,6 +223,8 @@ static void take(void *unused, fw_kind kind, const void *record)
 		run.to.put(run.to.context, kind, record);
 	if (inside)
 		receiver_levels_put(&levels, kind, record);
+	else
+		refuse_time(kind, record);
 }
 
 /* ---- options ---- */

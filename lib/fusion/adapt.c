@@ -2,23 +2,6 @@
 
 #include <math.h>
 
-const fw_adapt_options fw_adapt_defaults = {
-    .mode = FW_ADAPT_NONE,
-    .hul_m = 20,
-    .vul_m = 25,
-    .tau1 = 1,
-    .tau2 = 1,
-    .tau3 = 1,
-    .tau4 = 1,
-    .max_age_s = 2,
-    .gm_tau_s = 30,
-    .gm_k_h = 6.0,  /* DO-229 2.1.2.2.2.2: horizontal K of precision approach, 6.0 */
-    .gm_k_v = 5.33, /* likewise vertical */
-    .gm_share = 0.9,
-    .vb_memory = 0.98,
-    .student_dof = 4,
-};
-
 /* A level far below the user's would switch the measurement to certainty, one far above would switch it off. */
 static double bounded(double ratio)
 {

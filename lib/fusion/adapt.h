@@ -18,7 +18,7 @@ typedef enum {
 typedef struct {
 	fw_adapt_mode mode;
 
-	/* pl: D. Gebre-Egziabher and Z. Dai's scheme is not this; see docs of systems, A2. Ratio = PL / UL. */
+	/* pl: ratio = PL / UL, horizontal and vertical each with its own */
 	double hul_m, vul_m; /* the user's levels */
 	double tau1, tau2;   /* R times ratio / tau1 while ratio <= 1, times ratio tau2 beyond */
 	double tau3, tau4;   /* Q times tau4 / ratio while ratio <= 1, times 1 / (tau3 ratio) beyond */
@@ -36,8 +36,6 @@ typedef struct {
 	double student_dof; /* degrees of freedom, above 2 */
 } fw_adapt_options;
 
-extern const fw_adapt_options fw_adapt_defaults;
-
 /* Protection levels in force. */
 typedef struct {
 	bool known;
@@ -50,8 +48,9 @@ typedef struct {
 	double q;        /* of Q */
 } fw_adapt_factors;
 
-/* The paper's factors (A2); all 1 when the levels are not known.
- * Source: Fieldcopter paper, equations of its section on the adaptive filter, as read in systems A2. */
+/* Factors by protection levels; all 1 when the levels are not known.
+ * Source: the paper on EGNOS navigation for survey drones (Fieldcopter), its adaptive filter: the factors grow with PL / UL, in two branches
+ * that its taus set. */
 fw_adapt_factors fw_adapt_by_levels(const fw_adapt_options *o, const fw_levels *levels);
 
 /* The scale of a variance, learnt: an inverse gamma distribution. */

@@ -15,6 +15,21 @@
 /* Beyond this an innovation is no error of a receiver [m]. */
 #define FAR_M 50e3
 
+/* Fixes are believed after fewer refusals than --gate-patience when none was used for so long [s]. */
+#define PATIENCE_S     10
+#define LEAST_PATIENCE 3
+
+/* By how much an attitude may be doubted at a time [rad]; and so many times within so long [s] are too many. */
+#define DOUBT_MOST  0.5
+#define DOUBTS_MOST 3
+#define STRAYING_S  60
+
+/* What only a filter gone astray explains has to be said so many times --gate-patience. */
+#define MUCH_PATIENCE 10
+
+/* No protection level at all [m]. */
+#define LEVEL_MOST 1e6
+
 /* Sigmas out of all proportion [m], [m/s], [rad]. */
 #define SIGMA_LEAST 1e-6
 #define SIGMA_MOST  1e4
@@ -26,8 +41,20 @@
 #define UNSEEN_PUSH      5.0
 #define UNSEEN_PUSH_MOST 5.0
 
+/* An accelerometer that reads exactly 0 and no more force than this on the others: no free fall, but a dead sensor [m/s^2]. */
+#define DEAD_MPS2 1.0
+
+/* No IMU is faster than this; samples closer together have a wrong time [s]. */
+#define INTERVAL_LEAST 1e-4
+
 /* What a magnetic heading scatters by itself [rad]. */
 #define COMPASS_NOISE 0.01
+
+/* phi, down: what a heading speaks of. */
+#define HEADING_STATE 2
+
+/* A quiet cruise feels like rest. The filter has to be sure that it is slow: its speed and the sigma of it [m/s]. */
+#define SLOW_MPS 0.5
 
 /* Zero-velocity updates come so often [ns]; errors of stillness are no white noise. */
 #define STILL_EVERY_NS (FW_NS_PER_S / 2)
@@ -54,8 +81,8 @@ const fw_loose_options fw_loose_defaults = {
               .tau4 = 1,
               .max_age_s = 2,
               .gm_tau_s = 30,
-              .gm_k_h = 6.0,
-              .gm_k_v = 5.33,
+              .gm_k_h = 6.0,  /* DO-229 2.1.2.2.2.2: K of precision approach, horizontal */
+              .gm_k_v = 5.33, /* and vertical */
               .gm_share = 0.9,
               .vb_memory = 0.98,
               .student_dof = 4},
@@ -279,10 +306,14 @@ fw_status fw_loose_start(fw_loose *l, const fw_pva *pva, const double attitude_s
 	tie_errors(&l->filter, FW_BLOCK_POSITION, FW_BLOCK_POSITION_ERROR);
 	l->filter.keep_transition = l->hooks.node != NULL;
 	l->running = true;
-	l->has_last = l->has_suspect = l->node_open = l->has_compass = false;
+	l->has_last = l->has_suspect = l->node_open = l->has_compass = l->lost = false;
 	l->last.time = pva->time;
 	l->interval_s = 0;
-	l->queued = l->refused_in_row = 0;
+	l->queued = 0;
+	memset(l->refused_in_row, 0, sizeof l->refused_in_row);
+	memset(l->half_refused, 0, sizeof l->half_refused);
+	l->half_used[0] = l->half_used[1] = l->doubted = pva->time;
+	l->doubts = 0;
 	l->last_fix = l->still_time = l->field_time = pva->time;
 	(void)!fw_stillness_init(&o->still, &l->stillness);
 	node_begin(l);
@@ -331,6 +362,12 @@ static void replace_covariance(const double sd[static 3], double R[static 3][3])
 				R[i][j] = i == j ? sd[i] * sd[i] : 0;
 }
 
+/* A protection level, or none. */
+static bool is_level(double level_m)
+{
+	return isnan(level_m) || (level_m > 0 && level_m < LEVEL_MOST);
+}
+
 /* FW_REFUSED_COUNT: nothing wrong with it. */
 static fw_refusal examine(const fw_loose *l, fw_item *item)
 {
@@ -366,9 +403,19 @@ static fw_refusal examine(const fw_loose *l, fw_item *item)
 			return FW_REFUSED_NOT_FINITE;
 		return fabs(item->height.height_m) < 1e5 ? FW_REFUSED_COUNT : FW_REFUSED_RANGE;
 	case FW_ITEM_LEVELS:
+		return is_level(item->levels.hpl_m) && is_level(item->levels.vpl_m) ? FW_REFUSED_COUNT
+		                                                                    : FW_REFUSED_RANGE;
 	case FW_ITEM_MARK: break;
 	}
 	return FW_REFUSED_COUNT;
+}
+
+bool fw_loose_usable(fw_loose *l, fw_item *item)
+{
+	const fw_refusal why = examine(l, item);
+	if (why != FW_REFUSED_COUNT)
+		refuse(l, item, why, 0);
+	return why == FW_REFUSED_COUNT;
 }
 
 /* Into the queue, behind those of the same time. */
@@ -387,8 +434,7 @@ static bool enqueue(fw_loose *l, const fw_item *item)
 static void take_levels(fw_loose *l, const fw_item *item)
 {
 	l->integrity = item->levels.state;
-	l->levels.known = item->levels.hpl_m > 0 && item->levels.vpl_m > 0 && item->levels.hpl_m < 1e6 &&
-	                  item->levels.vpl_m < 1e6;
+	l->levels.known = item->levels.hpl_m > 0 && item->levels.vpl_m > 0;
 	l->levels.hpl_m = item->levels.hpl_m;
 	l->levels.vpl_m = item->levels.vpl_m;
 	l->levels_time = item->time;
@@ -405,10 +451,12 @@ void fw_loose_item(fw_loose *l, const fw_item *given)
 		why = FW_REFUSED_LATE;
 	else
 		why = examine(l, &item);
-	if (why != FW_REFUSED_COUNT) {
+	if (why != FW_REFUSED_COUNT)
 		refuse(l, &item, why, 0);
+	if (item.kind == FW_ITEM_LEVELS && why == FW_REFUSED_RANGE)
+		item.levels.hpl_m = item.levels.vpl_m = (double)NAN; /* what the monitor says of the state stands */
+	else if (why != FW_REFUSED_COUNT)
 		return;
-	}
 	*before = item.time;
 	if (!l->running && item.kind == FW_ITEM_LEVELS)
 		take_levels(l, &item);
@@ -449,8 +497,8 @@ static void raise_to_floor(double floor, double R[static 3][3])
 		R[i][i] = fmax(R[i][i], floor * floor);
 }
 
-typedef void measure_fix(const fw_filter *f, const double value[static 3], const double R[static 3][3],
-                         const double lever_b[static 3], fw_measurement *z);
+typedef void measure_fix(const fw_filter *f, const double *value, const double (*R)[3], const double *lever_b,
+                         fw_measurement *z);
 
 /* Learns the scales of horizontal and vertical variance together with the update: fixed-point iteration of the
  * variational Bayes filter. Source: S. Saerkkae, A. Nummenmaa, "Recursive noise adaptive Kalman filtering by variational Bayesian
@@ -515,23 +563,60 @@ static void scale_student(const fw_loose *l, fw_measurement *z)
 	}
 }
 
-/* Makes an innovation credible: what it is off goes into the variance of the states that it speaks of, as if it had come
- * on the way here. */
-static void believe(fw_loose *l, const fw_measurement *z, int at)
+/* Have so many items been refused in a row that it is time to believe them? */
+static bool is_enough(const fw_loose *l, fw_item_kind kind, int factor)
 {
-	for (int i = at; i < at + 3; i++) {
-		const double more = z->innovation[i - at] * z->innovation[i - at];
-		l->filter.P[i][i] += more;
+	return l->options.gate_patience > 0 && l->refused_in_row[kind] / factor >= l->options.gate_patience;
+}
+
+/* The same for the halves of a fix: the receiver is right, too, when the filter has been without it for long. */
+static bool is_time_to_believe(const fw_loose *l, fw_block block)
+{
+	const int in_row = l->half_refused[block == FW_BLOCK_VELOCITY];
+	const double alone_s = fw_time_diff_s(l->filter.pva.time, l->half_used[block == FW_BLOCK_VELOCITY]);
+	return l->options.gate_patience > 0 &&
+	       (in_row >= l->options.gate_patience || (in_row >= LEAST_PATIENCE && alone_s > PATIENCE_S));
+}
+
+/* Makes an innovation credible: what it is off goes into the variances of the n states that it speaks of, as if it had come
+ * on the way here. */
+static void believe(fw_loose *l, const fw_measurement *z, int at, int n)
+{
+	for (int i = 0; i < n; i++) {
+		const double more = z->innovation[i] * z->innovation[i];
+		l->filter.P[at + i][at + i] += more;
 		if (l->node_open)
-			l->node.P_predicted[i][i] += more;
+			l->node.P_predicted[at + i][at + i] += more;
 	}
 	l->counts.forced++;
 }
 
-/* One of the two halves of a fix. Returns whether it was used. */
-static bool update_fix(fw_loose *l, const fw_item *item, fw_measurement *z, fw_block block, bool forced)
+/* A filter that is somewhere else than all fixes has leant the wrong way: by the angle whose share of gravity explains it, which is
+ * doubted from now on. Astray again and again within a short time, it has to begin anew. */
+static void doubt(fw_loose *l, const fw_measurement *z, fw_block block)
 {
 	const bool is_position = block == FW_BLOCK_POSITION;
+	const fw_time now = l->filter.pva.time;
+	const double alone_s = fmax(1, fw_time_diff_s(now, l->half_used[!is_position])),
+	             speed = speed_of(z->innovation) / alone_s * (is_position ? 2 / alone_s : 1),
+	             angle = fmin(speed / 9.8, DOUBT_MOST);
+	for (int i = 0; i < 3; i++) {
+		l->filter.P[i][i] += angle * angle;
+		if (l->node_open)
+			l->node.P_predicted[i][i] += angle * angle;
+	}
+	if (angle == DOUBT_MOST) {
+		l->lost |= l->doubts > 0 && fw_time_diff_s(now, l->doubted) < STRAYING_S && l->doubts + 1 >= DOUBTS_MOST;
+		l->doubts = fw_time_diff_s(now, l->doubted) < STRAYING_S ? l->doubts + 1 : 1;
+		l->doubted = now;
+	}
+}
+
+/* One of the two halves of a fix. Returns whether it was used. */
+static bool update_fix(fw_loose *l, const fw_item *item, fw_measurement *z, fw_block block)
+{
+	const bool is_position = block == FW_BLOCK_POSITION;
+	int *in_row = &l->half_refused[!is_position];
 	double nis;
 	if (l->options.adapt.mode == FW_ADAPT_STUDENT)
 		scale_student(l, z);
@@ -540,15 +625,19 @@ static bool update_fix(fw_loose *l, const fw_item *item, fw_measurement *z, fw_b
 		return false;
 	}
 	if (is_position && !(speed_of(z->innovation) < FAR_M)) {
+		++*in_row;
+		l->lost |= l->options.gate_patience > 0 && *in_row / MUCH_PATIENCE >= l->options.gate_patience;
 		refuse(l, item, FW_REFUSED_RANGE, 0);
 		return false;
 	}
 	if (nis > l->gate_limit[3]) {
-		if (!forced) {
+		if (!is_time_to_believe(l, block)) {
+			++*in_row;
 			refuse(l, item, FW_REFUSED_GATE, sqrt(nis));
 			return false;
 		}
-		believe(l, z, l->filter.model.layout.at[block]);
+		doubt(l, z, block);
+		believe(l, z, l->filter.model.layout.at[block], 3);
 	}
 	fw_status status = l->options.adapt.mode == FW_ADAPT_VB ? update_vb(l, z, &l->vb[is_position ? 0 : 2])
 	                                                        : fw_filter_update(&l->filter, z, NULL);
@@ -556,14 +645,20 @@ static bool update_fix(fw_loose *l, const fw_item *item, fw_measurement *z, fw_b
 		refuse(l, item, FW_REFUSED_SIGMA, 0);
 		return false;
 	}
+	*in_row = 0;
+	l->half_used[!is_position] = l->filter.pva.time;
 	l->counts.nis_sum += nis;
 	l->counts.nis_rows += 3;
+	if (is_position) {
+		l->counts.position_nis_sum += nis;
+		l->counts.position_nis_rows += 3;
+	}
 	return true;
 }
 
 /* R of a half of a fix, as it is believed, and the measurement. */
-static void prepare_fix(fw_loose *l, measure_fix *measure, const double value[static 3],
-                        double R[static 3][3], double floor, fw_block error, fw_measurement *z)
+static void prepare_fix(fw_loose *l, measure_fix *measure, const double *value, double (*R)[3], double floor,
+                        fw_block error, fw_measurement *z)
 {
 	const fw_adapt_factors k = l->options.adapt.mode == FW_ADAPT_PL
 	                               ? fw_adapt_by_levels(&l->options.adapt, &l->levels)
@@ -578,17 +673,16 @@ static void prepare_fix(fw_loose *l, measure_fix *measure, const double value[st
 static void take_fix(fw_loose *l, fw_item *item)
 {
 	const fw_loose_options *o = &l->options;
-	const bool forced = o->gate_patience > 0 && l->refused_in_row >= o->gate_patience;
 	fw_measurement z;
 	bool used = false, refused = false;
-	if (l->integrity == FW_INTEGRITY_UNRELIABLE) {
+	if (l->integrity == FW_UNRELIABLE) {
 		refuse(l, item, FW_REFUSED_INTEGRITY, 0);
 		return;
 	}
 	if (item->fix.has_position) {
 		prepare_fix(l, fw_measure_position, item->fix.llh, item->fix.R_position, o->position_floor_m,
 		            FW_BLOCK_POSITION_ERROR, &z);
-		used = update_fix(l, item, &z, FW_BLOCK_POSITION, forced);
+		used = update_fix(l, item, &z, FW_BLOCK_POSITION);
 		refused = !used;
 	}
 	if (item->fix.has_velocity && !refused) {
@@ -597,29 +691,32 @@ static void take_fix(fw_loose *l, fw_item *item)
 		                   sqrt(fmax(item->fix.R_velocity[0][0], item->fix.R_velocity[1][1])));
 		prepare_fix(l, fw_measure_velocity, v, item->fix.R_velocity, o->velocity_floor_mps,
 		            FW_BLOCK_VELOCITY_ERROR, &z);
-		const bool also = update_fix(l, item, &z, FW_BLOCK_VELOCITY, forced);
-		used |= also;
-		refused = !also && !item->fix.has_position;
+		used |= update_fix(l, item, &z, FW_BLOCK_VELOCITY);
 	}
-	l->refused_in_row = refused ? l->refused_in_row + 1 : 0;
 	if (used) {
 		l->counts.used[FW_ITEM_FIX]++;
 		l->last_fix = item->time;
 	}
 }
 
-/* A measurement of one row, through the gate. */
-static bool update_one(fw_loose *l, const fw_item *item, const fw_measurement *z)
+/* A measurement of one row, through the gate. Too often refused it is believed, and not what the filter has for `state`. */
+static bool update_one(fw_loose *l, const fw_item *item, const fw_measurement *z, int state, int patience)
 {
+	int *in_row = &l->refused_in_row[item->kind];
 	double nis;
 	if (fw_filter_nis(&l->filter, z, &nis) < 0) {
 		refuse(l, item, FW_REFUSED_SIGMA, 0);
 		return false;
 	}
 	if (nis > l->gate_limit[1]) {
-		refuse(l, item, FW_REFUSED_GATE, sqrt(nis));
-		return false;
+		if (!is_enough(l, item->kind, patience)) {
+			++*in_row;
+			refuse(l, item, FW_REFUSED_GATE, sqrt(nis));
+			return false;
+		}
+		believe(l, z, state, 1);
 	}
+	*in_row = 0;
 	if (fw_filter_update(&l->filter, z, NULL) < 0) {
 		refuse(l, item, FW_REFUSED_SIGMA, 0);
 		return false;
@@ -648,7 +745,7 @@ static void take_heading(fw_loose *l, const fw_item *item)
 		return;
 	}
 	teach_table(l, item);
-	update_one(l, item, &z);
+	update_one(l, item, &z, HEADING_STATE, MUCH_PATIENCE);
 }
 
 /* The Earth's field at the first reading, and the declination that the options say. Returns false if there is none. */
@@ -671,13 +768,10 @@ static bool know_field(fw_loose *l)
 static void take_field(fw_loose *l, const fw_item *item)
 {
 	const fw_mag_calibration as_it_is = fw_mag_as_it_is(50, 0.5);
-	double rpy[3], rpy_sd[3], heading, sd, correction = 0, correction_sd = l->options.field_sd_rad;
+	double rpy[3], heading, sd, correction = 0, correction_sd = l->options.field_sd_rad;
 	fw_measurement z;
 	fw_quat_to_euler(l->filter.pva.q_n_b, rpy);
-	fw_attitude_sd(&l->filter, rpy_sd);
-	if (!know_field(l) ||
-	    fw_mag_heading(&as_it_is, item->field.b_ut, rpy, hypot(rpy_sd[0], rpy_sd[1]) / sqrt(2),
-	                   l->field_ned_nt, &heading, &sd) < 0) {
+	if (!know_field(l) || fw_mag_heading(&as_it_is, item->field.b_ut, rpy, 0, l->field_ned_nt, &heading, &sd) < 0) {
 		refuse(l, item, FW_REFUSED_RANGE, 0);
 		return;
 	}
@@ -690,21 +784,22 @@ static void take_field(fw_loose *l, const fw_item *item)
 		fw_heading_table_correction(&l->table, heading, &correction, &correction_sd);
 		correction_sd = fmin(correction_sd, l->options.field_sd_rad);
 	}
-	if (fw_measure_heading(&l->filter, heading + correction, hypot(sd, correction_sd), &z) < 0) {
+	if (fw_measure_compass(&l->filter, heading + correction, hypot(sd, correction_sd), l->field_ned_nt, &z) < 0) {
 		refuse(l, item, FW_REFUSED_RANGE, 0);
 		return;
 	}
-	if (update_one(l, item, &z))
-		l->field_time = item->time;
+	update_one(l, item, &z, HEADING_STATE, MUCH_PATIENCE);
+	l->field_time = item->time;
 }
 
 static void take_height(fw_loose *l, const fw_item *item)
 {
 	fw_measurement z;
-	if (l->filter.model.layout.at[FW_BLOCK_HEIGHT_ERROR] < 0)
+	const int zero = l->filter.model.layout.at[FW_BLOCK_HEIGHT_ERROR];
+	if (zero < 0)
 		return;
 	fw_measure_height(&l->filter, item->height.height_m, l->options.height_sd_m, &z);
-	update_one(l, item, &z);
+	update_one(l, item, &z, zero, 1);
 }
 
 /* Protection levels that nobody has renewed are none. */
@@ -821,26 +916,44 @@ static fw_status refuse_sample(fw_loose *l, fw_time t, fw_refusal why)
 	return FW_DUBIOUS;
 }
 
+static bool is_denormal(double x)
+{
+	return x != 0 && fabs(x) < DBL_MIN;
+}
+
+fw_refusal fw_examine_reading(const fw_imu_reading *r, double gyro_max, double accel_max)
+{
+	bool zero = false;
+	if (!finite3(r->gyro_radps) || !finite3(r->accel_mps2))
+		return FW_REFUSED_NOT_FINITE;
+	for (int i = 0; i < 3; i++) {
+		const double gyro = r->gyro_radps[i], accel = r->accel_mps2[i];
+		if (!(fabs(gyro) <= gyro_max && fabs(accel) <= accel_max) || is_denormal(gyro) ||
+		    is_denormal(accel))
+			return FW_REFUSED_RANGE;
+		zero |= accel == 0;
+	}
+	return zero && speed_of(r->accel_mps2) < DEAD_MPS2 ? FW_REFUSED_RANGE : FW_REFUSED_COUNT;
+}
+
 static fw_refusal examine_sample(const fw_loose *l, const fw_imu_reading *s)
 {
-	if (!finite3(s->gyro_radps) || !finite3(s->accel_mps2))
-		return FW_REFUSED_NOT_FINITE;
-	for (int i = 0; i < 3; i++)
-		if (!(fabs(s->gyro_radps[i]) <= l->options.gyro_max &&
-		      fabs(s->accel_mps2[i]) <= l->options.accel_max))
-			return FW_REFUSED_RANGE;
+	const fw_refusal why = fw_examine_reading(s, l->options.gyro_max, l->options.accel_max);
+	if (why != FW_REFUSED_COUNT)
+		return why;
 	if (s->time.ns <= l->last.time.ns)
 		return s->time.ns == l->last.time.ns ? FW_REFUSED_DUPLICATE : FW_REFUSED_BACKWARDS;
 	return FW_REFUSED_COUNT;
 }
 
-/* The usual interval: a slow mean of those that are no gaps. */
+/* The usual interval: a slow mean, in which a gap counts as two intervals, so that a first guess too short does not stay. */
 static void learn_interval(fw_loose *l, double dt)
 {
-	if (l->interval_s <= 0 || dt < l->interval_s / 1.5)
+	if (dt < INTERVAL_LEAST)
+		return;
+	if (l->interval_s <= 0)
 		l->interval_s = dt;
-	else if (dt < 1.5 * l->interval_s)
-		l->interval_s += 0.02 * (dt - l->interval_s);
+	l->interval_s += 0.05 * (fmin(dt, 2 * l->interval_s) - l->interval_s);
 }
 
 /* Zero velocity while the vehicle stands. It stands when the IMU is quiet and the filter has it so, too. */
@@ -853,7 +966,9 @@ static void take_stillness(fw_loose *l, const fw_imu_reading *s)
 	    !l->stillness.still || s->time.ns - l->still_time.ns < STILL_EVERY_NS)
 		return;
 	fw_measure_zero_velocity(f, l->options.still_sd_mps, &z);
-	if (fw_filter_nis(f, &z, &nis) < 0 || nis > l->gate_limit[3] || speed_of(f->pva.velocity_mps) > 0.5)
+	const double sd = sqrt(f->P[3][3] + f->P[4][4] + f->P[5][5]);
+	if (fw_filter_nis(f, &z, &nis) < 0 || nis > l->gate_limit[3] ||
+	    !(speed_of(f->pva.velocity_mps) < SLOW_MPS && sd < SLOW_MPS))
 		return;
 	node_begin(l);
 	if (fw_filter_update(f, &z, NULL) >= 0)
@@ -909,6 +1024,11 @@ fw_status fw_loose_imu(fw_loose *l, const fw_imu_reading *sample)
 	if (l->has_last && l->interval_s > 0 && dt > 1.5 * l->interval_s)
 		bridge(l, sample);
 	advance(l, sample->time, sample->gyro_radps, sample->accel_mps2);
+	if (l->lost) {
+		l->running = false;
+		l->counts.strayed++;
+		return FW_EUNKNOWN;
+	}
 	if (l->has_last)
 		learn_interval(l, dt);
 	l->last = *sample;
@@ -925,6 +1045,13 @@ fw_status fw_loose_imu(fw_loose *l, const fw_imu_reading *sample)
 	if (l->hooks.sample != NULL)
 		l->hooks.sample(l->hooks.context, l);
 	return FW_OK;
+}
+
+void fw_loose_end(fw_loose *l)
+{
+	if (l->running && l->has_suspect)
+		refuse_sample(l, l->suspect.time, FW_REFUSED_RANGE);
+	l->has_suspect = false;
 }
 
 void fw_attitude_sd(const fw_filter *f, double rpy_sd[static 3])

@@ -13,6 +13,7 @@
 #include "ins/heading_table.h"
 #include "ins/magnetometer.h"
 #include "ins/stillness.h"
+#include "integrity/state_machine.h"
 
 /* An IMU sample: averages over the interval that ends at its time. */
 typedef struct {
@@ -29,15 +30,6 @@ typedef enum {
 	FW_ITEM_LEVELS,  /* protection levels and state */
 	FW_ITEM_MARK     /* an event: nothing but a moment at which the state is wanted */
 } fw_item_kind;
-
-/* What the integrity monitor says (systems A3). */
-typedef enum {
-	FW_INTEGRITY_UNKNOWN,
-	FW_INTEGRITY_RELIABLE,
-	FW_INTEGRITY_NO_SBAS,
-	FW_INTEGRITY_UNRELIABLE,
-	FW_INTEGRITY_NO_POSITION
-} fw_integrity;
 
 typedef struct {
 	fw_time time;
@@ -61,7 +53,7 @@ typedef struct {
 		} height;
 		struct {
 			double hpl_m, vpl_m; /* NAN: not known */
-			fw_integrity state;
+			fw_integrity_state state; /* of the integrity monitor */
 		} levels;
 		struct {
 			uint64_t number; /* the caller's */
@@ -84,6 +76,11 @@ typedef enum {
 } fw_refusal;
 
 const char *fw_refusal_text(fw_refusal why);
+
+/* What is wrong with the numbers of an IMU reading: not finite, beyond what the sensors can measure [rad/s], [m/s^2], or those
+ * of a dead sensor: a denormal number, or an accelerometer that says exactly 0 where gravity should be.
+ * Returns FW_REFUSED_COUNT: nothing. */
+fw_refusal fw_examine_reading(const fw_imu_reading *r, double gyro_max, double accel_max);
 
 typedef struct {
 	/* the sensors, in SI units */
@@ -157,12 +154,13 @@ enum { FW_LOOSE_QUEUE = 256 };
 
 typedef struct {
 	uint64_t samples, bridged, gaps; /* IMU samples used; gaps that were bridged, and that ended a run */
+	uint64_t strayed;            /* runs that ended because all fixes were somewhere else */
 	uint64_t samples_refused[FW_REFUSED_COUNT];
 	uint64_t used[FW_ITEM_MARK + 1];
 	uint64_t refused[FW_ITEM_MARK + 1][FW_REFUSED_COUNT];
 	uint64_t still, forced; /* zero-velocity updates; fixes believed after too many were refused */
-	double nis_sum;
-	uint64_t nis_rows; /* of the positions and velocities that were used */
+	double nis_sum, position_nis_sum;     /* normalised innovations squared, of positions and velocities that were used; of the */
+	uint64_t nis_rows, position_nis_rows; /* positions alone; and how many rows they had */
 } fw_loose_counts;
 
 typedef struct fw_loose {
@@ -171,7 +169,7 @@ typedef struct fw_loose {
 	fw_filter filter;
 	fw_loose_counts counts;
 	fw_node node; /* under way; filled only while hooks.node is set */
-	fw_integrity integrity;
+	fw_integrity_state integrity;
 	fw_levels levels;
 	fw_time levels_time;
 	fw_time last_fix; /* that was used */
@@ -183,13 +181,18 @@ typedef struct fw_loose {
 	fw_time item_time[FW_ITEM_MARK + 1];
 	fw_item queue[FW_LOOSE_QUEUE];
 	int queued;
-	int refused_in_row;
+	int refused_in_row[FW_ITEM_MARK + 1];
+	int half_refused[2];         /* positions and velocities in a row */
+	fw_time half_used[2];        /* the last that were used */
+	int doubts;                  /* of the attitude, not long after each other */
+	fw_time doubted;
 	fw_vb_scale vb[4];
 	fw_stillness stillness;
 	fw_time still_time, field_time;
 	fw_heading_table table;
 	fw_imu_reading suspect; /* far ahead in time: a gap, or a wrong time? */
 	bool has_last, has_suspect, node_open;
+	bool lost;                   /* all fixes are somewhere else */
 	double field_ned_nt[3]; /* the Earth's, of the first reading; 0: not yet */
 	double compass_off_rad; /* magnetic heading minus the filter's, of the last reading, for the table */
 	bool has_compass;
@@ -209,13 +212,21 @@ fw_status fw_loose_start(fw_loose *l, const fw_pva *pva, const double attitude_s
                          const double velocity_sd[static 3], const double position_sd[static 3],
                          const double *gyro_bias, const double *gyro_bias_sd) FW_MUST_CHECK;
 
+/* Is an item fit to be used at all? For those who keep items until a run begins. Its covariance becomes what the options say; if
+ * it is unusable it is refused and counted. Its time is not looked at. */
+bool fw_loose_usable(fw_loose *l, fw_item *item);
+
 /* Takes an item, for the sample that ends at its time or after it. Items come in order of time. Items before the present time are
  * refused. Without a run (not started, or lost) only levels and marks are taken. */
 void fw_loose_item(fw_loose *l, const fw_item *item);
 
 /* Takes an IMU sample. Returns FW_OK; FW_DUBIOUS: the sample was refused (counted) and the filter is where it was; FW_EUNKNOWN:
- * a gap too long to bridge; the run is over (l->running is false) and alignment has to begin anew, with this sample. */
+ * the run is over (l->running is false), because of a gap too long to bridge or because too many fixes in a row were far away from
+ * here; alignment has to begin anew, with this sample. */
 fw_status fw_loose_imu(fw_loose *l, const fw_imu_reading *sample) FW_MUST_CHECK;
+
+/* No more samples: one that was far ahead in time, and waited for the next to say whether that was a gap, is refused. */
+void fw_loose_end(fw_loose *l);
 
 /* Standard deviations of roll, pitch and heading of the body [rad]: from the covariance of phi, and from the misalignment of the gyros, which
  * are what the filter's attitude is the attitude of. */

@@ -115,6 +115,20 @@ fw_status fw_measure_heading(const fw_filter *f, double heading_rad, double sd_r
 	return FW_OK;
 }
 
+/* The field as the filter has it is B - phi x B: its direction in the horizontal plane is off by
+ * -phi_down + (B_down / B_horizontal) (phi_north cos(declination) + phi_east sin(declination)). */
+fw_status fw_measure_compass(const fw_filter *f, double heading_rad, double sd_rad, const double field_ned_nt[static 3],
+                             fw_measurement *z)
+{
+	const double *B = field_ned_nt, h2 = B[0] * B[0] + B[1] * B[1];
+	const fw_status status = fw_measure_heading(f, heading_rad, sd_rad, z);
+	if (status < 0)
+		return status;
+	z->H[0][ATT] = -B[2] * B[0] / h2;
+	z->H[0][ATT + 1] = -B[2] * B[1] / h2;
+	return FW_OK;
+}
+
 void fw_measure_height(const fw_filter *f, double height_m, double sd_m, fw_measurement *z)
 {
 	const int at = f->model.layout.at[FW_BLOCK_HEIGHT_ERROR];

@@ -122,6 +122,9 @@ fw_status fw_stillness_imu(fw_stillness *s, fw_time t, const double omega_ib_b_r
 {
 	const double x[6] = {omega_ib_b_radps[0], omega_ib_b_radps[1], omega_ib_b_radps[2],
 	                     force_b_mps2[0],     force_b_mps2[1],     force_b_mps2[2]};
+	/* Blocks are those of the clock, so that it makes no difference which sample came first. */
+	const int64_t block_ns = llround(s->setup.window_s / FW_STILLNESS_BLOCKS * 1e9);
+	const bool full = block_ns > 0 && t.ns / block_ns != s->t.ns / block_ns;
 	double dt = s->running ? fw_time_diff_s(t, s->t) : 0;
 
 	for (int i = 0; i < 6; i++)
@@ -135,7 +138,7 @@ fw_status fw_stillness_imu(fw_stillness *s, fw_time t, const double omega_ib_b_r
 		add_sample(&s->block, dt, x);
 	s->running = true;
 	s->t = t;
-	if (!(s->block.seconds >= s->setup.window_s / FW_STILLNESS_BLOCKS * (1 - 1e-6)))
+	if (!full || s->block.n == 0)
 		return FW_OK;
 	s->ring[s->next] = s->block;
 	s->next = (s->next + 1) % FW_STILLNESS_BLOCKS;

@@ -7,6 +7,7 @@ const char *fw_integrity_state_name(fw_integrity_state state)
 	case FW_NO_SBAS: return "NO_SBAS";
 	case FW_UNRELIABLE: return "UNRELIABLE";
 	case FW_NO_POSITION: return "NO_POSITION";
+	case FW_INTEGRITY_UNKNOWN: break;
 	}
 	return "";
 }

@@ -12,6 +12,9 @@ waypoint = 0 50 30 5 10
 [imu]
 gyro_misalignment_mrad = 0
 accel_misalignment_mrad = 0
+[magnetometer]
+hard_iron_ut = 4 -3 2
+soft_iron = 0.05 0 0 0 -0.03 0 0 0 0
 [attitude]
 baseline_m = -1 0 0
 [pvt]
@@ -155,6 +158,18 @@ gives 0 -o given.csv --align given --heading 359 --imu $imu pvt.csv
 says "(given heading)"
 at_most 0.5 horizontal_m given.csv
 
+# The compass: its iron is found from the log; the numbers that are printed do the same.
+gives 0 -o compass.csv --compass yes --compass-calibration log --mag survey/mag.csv --imu $imu pvt.csv
+says "compass calibrated to"
+numbers=$(sed -n 's/.*compass calibrated to [^:]*: //p' err)
+echo "$numbers" | awk -F, '{ exit !(NF == 12 && sqrt(($1 - 4) ^ 2 + ($2 + 3) ^ 2) < 1 && $4 > 0.93 && $4 < 0.98) }' || complain "calibration: $numbers"
+at_most 0.3 heading_deg compass.csv
+gives 0 -o again.csv --compass yes --compass-calibration "$numbers" --align magnetic --mag survey/mag.csv --imu $imu pvt.csv
+says "(compass)"
+at_most 0.5 heading_deg again.csv
+gives 0 -o turned.csv --compass yes --compass-calibration turning --mag survey/mag.csv --imu $imu $rover
+says "compass not calibrated: the motion shows too little"
+
 # Usage.
 refused() {
 	local message=$1
@@ -170,6 +185,9 @@ refused "--rate: 'often' is neither imu nor events" --rate often $rover
 refused "--imu-columns:" --imu-columns "gx=banana" $rover
 refused "standard input can be one file only" --imu - - < $imu
 refused "unknown option or key 'lever'; did you mean 'lever-x'?" --lever 1 $rover
+refused "--compass-calibration: 'iron' is neither none, turning nor log" --compass-calibration iron $rover
+refused "--compass-calibration: '1,2,3' is neither" --compass-calibration 1,2,3 $rover
+refused "--compass-calibration log reads files twice: a pipe cannot be" --compass-calibration log - --imu $imu < $rover
 refused "--gap: '0' is not a number" --gap 0 $rover
 
 # A few MiB, however long the log.

@@ -26,6 +26,8 @@ static const char *const calls[][ARGUMENTS_MOST] = {
     {"--align", "motion", "--window", "0", "--withhold", "3:1:1"},
     {"--fixes", "nav", "--imu", "FILE", "--imu-roll", "180"},
     {"--fixes", "pos", "--velocity", "no", "--imu-offset", "-0.3"},
+    {"--compass", "yes", "--compass-calibration", "log"},
+    {"--compass", "yes", "--compass-calibration", "turning", "--smooth", "rts"},
     {"--imu", "FILE", "--imu-columns", "kf-gins", "--imu-time", "gps,week=2400"},
 };
 
@@ -67,7 +69,7 @@ size_t fuzz_make(fw_random *random, uint8_t *data)
 	size_t used = 0;
 	data[0] = (uint8_t)fw_random_u64(random);
 	used += (size_t)snprintf(text, FUZZ_ROOM - 1, "%s", head);
-	for (int i = 0; i < 90 && used + 500 < FUZZ_ROOM - 1; i++)
+	for (int i = 0; i < 70 && used + 500 < FUZZ_ROOM - 1; i++)
 		used += put_epoch(random, i, text + used, FUZZ_ROOM - 1 - used);
 	used +=
 	    (size_t)snprintf(text + used, FUZZ_ROOM - 1 - used, "#end status=complete rows=1 skipped=0\n");
@@ -110,9 +112,6 @@ static void clear_all(const options *pristine)
 	memset(&sinks, 0, sizeof sinks);
 	memset(&run, 0, sizeof run);
 	memset(&inputs, 0, sizeof inputs);
-	memset(start.refused, 0, sizeof start.refused);
-	start.lost = 0;
-	order.n = order.slots = order.n_free = 0;
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

@@ -1,11 +1,12 @@
 /* Many simulated flights through the filter, in memory: what Monte Carlo campaigns and the search for settings are made of.
  *
- *     campaign SCENARIO.ini [--seeds FIRST-LAST] [--set SECTION.KEY=VALUE] [--report sections|consistency|outages]
+ *     campaign SCENARIO.ini [--seeds FIRST-LAST] [--set SECTION.KEY=VALUE] [--report sections|consistency|outages|heading]
  *              [--smooth] [--withhold EVERY:LENGTH:FIRST] < settings
  *
  * Each line of the input is a list of settings of the filter, KEY=VALUE with blanks between, KEY as insgnss-fuse calls it. For
  * each line all flights are flown, and one line of figures comes out, at once. A flight is that of the scenario: motion, IMU, and
- * fixes whose errors are those of the [pvt] sections, with protection levels of [pvt] k_h and k_v times sigma.
+ * fixes whose errors are those of the [pvt] sections, with protection levels of [pvt] k_h and k_v times sigma; for
+ * --report heading its magnetometer and the heading of its two antennas as well, with its faults.
  * The filter begins at the truth plus errors that it is told the sigma of, with the position and velocity of the first fix. */
 #include <math.h>
 #include <stdio.h>
@@ -20,6 +21,7 @@
 #include "formats/number.h"
 #include "fusion/loose.h"
 #include "fusion/rts.h"
+#include "ins/magnetic_field.h"
 #include "sim/process.h"
 
 #define DEG (FW_PI / 180)
@@ -32,11 +34,23 @@ enum { SECTIONS_MAX = 32, NODES_STEP = 4096, SETTING_MAX = 64 };
 
 static tool self = {.name = "campaign"};
 
+/* ---- what is wanted ---- */
+
+enum report { SECTIONS, CONSISTENCY, OUTAGES, HEADING };
+
+static struct {
+	bool smooth;
+	double every_s, length_s, first_s; /* fixes are withheld; every_s 0: none */
+	enum report report;
+} wanted = {0};
+
 /* ---- what is flown ---- */
 
 typedef struct {
 	fw_imu_reading *imu;      /* n of them, at k / rate, k = 1..n */
 	fw_item *fix;             /* n_fixes */
+	fw_item *heading;    /* with each fix; NULL: none wanted */
+	fw_item *field;      /* of the magnetometer, n_fields */
 	fw_imu errors;            /* biases and scale factors of the sensors, as they began */
 	double attitude_error[3]; /* of the start, in sigmas */
 } flight;
@@ -47,6 +61,7 @@ static struct {
 	fw_trajectory path;
 	int rate_hz, n, every; /* IMU samples; a fix comes with every so many of them */
 	int n_fixes;
+	int field_every, n_fields; /* the same of the magnetometer */
 	fw_pva *truth;                               /* n + 1 */
 	double (*omega)[3], (*force)[3], (*turn)[3]; /* turn: omega_ib_b at the moment */
 	flight *flights;
@@ -73,6 +88,10 @@ static void fly_truth(void)
 	world.n = (int)(world.s.duration_s * world.rate_hz + 1e-6);
 	world.every = (int)lround(world.s.imu_rate_hz / world.s.gnss_rate_hz);
 	world.n_fixes = world.n / world.every + 1;
+	if (wanted.report == HEADING) {
+		world.field_every = (int)lround(world.s.imu_rate_hz / world.s.mag_rate_hz);
+		world.n_fields = world.n / world.field_every + 1;
+	}
 	world.truth = need(calloc((size_t)world.n + 1, sizeof world.truth[0]));
 	world.omega = need(calloc((size_t)world.n + 1, sizeof world.omega[0]));
 	world.force = need(calloc((size_t)world.n + 1, sizeof world.force[0]));
@@ -149,6 +168,48 @@ static void make_fix(int k, const fw_gm1 error[static 6], fw_item *item)
 	item->fix.llh[2] = p->llh[2] - offset[2];
 }
 
+/* Of an antenna pair: half of the variance stays for the time of multipath, as sim/receiver.h has it. HDOP is that of an open
+ * sky. Where the scenario takes the heading away the sigma is 0. */
+#define HDOP 0.8
+static void make_headings(flight *f, fw_random *r)
+{
+	const fw_receiver_setup *s = &world.s.rover;
+	const double *b = s->baseline_b_m, length = sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2]);
+	fw_gm1 slow;
+	fw_gm1_init(&slow, 1, r);
+	f->heading = need(calloc((size_t)world.n_fixes, sizeof f->heading[0]));
+	for (int j = 0; j < world.n_fixes; j++) {
+		const fw_pva *p = &world.truth[j * world.every];
+		fw_item *item = &f->heading[j];
+		double rpy[3];
+		const double sd = s->attitude_noise_m * HDOP / length,
+		             error = sqrt(0.5) * (slow.value + fw_random_normal(r));
+		fw_quat_to_euler(p->q_n_b, rpy);
+		*item = (fw_item){.time = p->time, .kind = FW_ITEM_HEADING};
+		item->heading.heading_rad = fw_wrap_2pi(rpy[2] + sd * error);
+		if (!fw_faults_hold(s->fault, s->n_faults, FW_FAULT_NO_ATTITUDE, s->station, j / world.s.gnss_rate_hz))
+			item->heading.sd_rad = sd;
+		fw_gm1_step(&slow, 1, s->noise.multipath_tau_s, 1 / world.s.gnss_rate_hz, r);
+	}
+}
+
+static void make_fields(flight *f, fw_random *r)
+{
+	fw_magnetometer m;
+	f->field = need(calloc((size_t)world.n_fields, sizeof f->field[0]));
+	if (fw_magnetometer_init(&world.s.mag, fw_random_u64(r), &m) < 0)
+		exit(EXIT_USAGE);
+	for (int j = 0; j < world.n_fields; j++) {
+		const fw_pva *p = &world.truth[j * world.field_every];
+		double field[3], C[3][3];
+		if (fw_magnetic_field(p->llh, p->time, field) < 0)
+			exit(EXIT_USAGE);
+		fw_quat_to_matrix(p->q_n_b, C);
+		f->field[j] = (fw_item){.time = p->time, .kind = FW_ITEM_FIELD};
+		fw_magnetometer_sample(&m, (const double(*)[3])C, field, f->field[j].field.b_ut);
+	}
+}
+
 static void make_flight(flight *f, int seed)
 {
 	fw_gm1 error[6];
@@ -176,6 +237,10 @@ static void make_flight(flight *f, int seed)
 		for (int i = 0; i < 6; i++)
 			fw_gm1_step(&error[i], 1, world.s.rover.pvt.section_tau_s, 1 / world.s.gnss_rate_hz,
 			            &r);
+	}
+	if (wanted.report == HEADING) {
+		make_headings(f, &r);
+		make_fields(f, &r);
 	}
 }
 
@@ -219,6 +284,7 @@ static const struct {
     {"vb-memory", IN(adapt.vb_memory), 1, 1},
     {"student-dof", IN(adapt.student_dof), 1, 1},
     {"still-sd", IN(still_sd_mps), 1, 1},
+    {"compass-sd", IN(field_sd_rad), 1, DEG},
     {"gate", IN(gate), 1, 1},
 };
 
@@ -244,6 +310,10 @@ static bool set_one(const char *word, fw_loose_options *o)
 	const size_t length = (size_t)(equals - word);
 	if (strncmp(word, "adapt", length) == 0 && length == 5)
 		return set_mode(equals + 1, &o->adapt.mode);
+	if (strncmp(word, "compass", length) == 0 && length == 7) {
+		o->use_field = strcmp(equals + 1, "yes") == 0;
+		return true;
+	}
 	if (strncmp(word, "still", length) == 0 && length == 5) {
 		o->use_still = strcmp(equals + 1, "yes") == 0;
 		return true;
@@ -297,12 +367,6 @@ static bool read_settings(char *line, fw_loose_options *o)
 /* ---- a flight through the filter ---- */
 
 static struct {
-	bool smooth;
-	double every_s, length_s, first_s; /* fixes are withheld; every_s 0: none */
-	enum { SECTIONS, CONSISTENCY, OUTAGES } report;
-} wanted = {0};
-
-static struct {
 	fw_node *node;
 	int n, room;
 	fw_smoothed now, next;
@@ -326,6 +390,9 @@ typedef struct {
 	long nees_n, inside[2][9]; /* inside one and two sigma */
 	double outage_error2, outage_predicted2, heading_error2, heading_predicted2;
 	long outages;
+	/* Heading errors squared, of compass, compass with the table, filter: while that of GNSS is away; from a minute on. */
+	double raw2, corrected2, filter2, raw2_all, corrected2_all, filter2_all;
+	long headings, headings_all;
 } tally;
 
 static tally forward, smoothed;
@@ -427,7 +494,7 @@ static void note(tally *to, worst *w, int k, const fw_pva *estimate,
 		to->n[s]++;
 	} else if (wanted.report == CONSISTENCY) {
 		note_consistency(to, k, e, P);
-	} else {
+	} else if (wanted.report == OUTAGES) {
 		note_outage(w, to, outage_at(t_s), e, P);
 	}
 }
@@ -439,10 +506,37 @@ typedef struct {
 	uint64_t rows_before;
 } progress;
 
+/* The compass as it is, with the table's correction, and the filter's heading; at the moments of its readings. */
+static void note_heading(const fw_loose *l, int k)
+{
+	const double t_s = (double)k / world.rate_hz;
+	const fw_receiver_setup *s = &world.s.rover;
+	double rpy[3], true_rpy[3], correction, sd;
+	if (k % world.field_every != 0 || !l->has_compass || t_s < 60)
+		return;
+	fw_quat_to_euler(l->filter.pva.q_n_b, rpy);
+	fw_quat_to_euler(world.truth[k].q_n_b, true_rpy);
+	const double compass = rpy[2] + l->compass_off_rad, raw = fw_wrap_pi(compass - true_rpy[2]);
+	fw_heading_table_correction(&l->table, fw_wrap_2pi(compass), &correction, &sd);
+	const double corrected = fw_wrap_pi(raw + correction), filter = fw_wrap_pi(rpy[2] - true_rpy[2]);
+	forward.raw2_all += raw * raw;
+	forward.corrected2_all += corrected * corrected;
+	forward.filter2_all += filter * filter;
+	forward.headings_all++;
+	if (!fw_faults_hold(s->fault, s->n_faults, FW_FAULT_NO_ATTITUDE, s->station, t_s))
+		return;
+	forward.raw2 += raw * raw;
+	forward.corrected2 += corrected * corrected;
+	forward.filter2 += filter * filter;
+	forward.headings++;
+}
+
 static void on_sample(void *context, const fw_loose *l)
 {
 	progress *p = context;
 	const int k = sample_of(l->filter.pva.time);
+	if (wanted.report == HEADING)
+		note_heading(l, k);
 	if (k % (world.rate_hz / 10) == 0)
 		note(&forward, &p->now, k, &l->filter.pva, l->filter.P);
 	const int second = k / world.rate_hz;
@@ -513,7 +607,7 @@ static void give_levels(fw_loose *l, const fw_item *fix)
 	const fw_item levels = {.time = fix->time,
 	                        .kind = FW_ITEM_LEVELS,
 	                        .levels = {p->k_h * sqrt(fix->fix.R_position[0][0]),
-	                                   p->k_v * sqrt(fix->fix.R_position[2][2]), FW_INTEGRITY_RELIABLE}};
+	                                   p->k_v * sqrt(fix->fix.R_position[2][2]), FW_RELIABLE}};
 	fw_loose_item(l, &levels);
 }
 
@@ -526,13 +620,17 @@ static bool fly(const flight *f, const fw_loose_options *o)
 	kept.n = 0;
 	if (fw_loose_init(&l, o, &hooks) < 0 || !start(&l, f))
 		return false;
-	for (int k = 1, j = 1; k <= world.n; k++) {
+	for (int k = 1, j = 1, m = 0; k <= world.n; k++) {
 		for (; j < world.n_fixes && j * world.every <= k; j++) {
 			if (outage_at(fw_time_diff_s(f->fix[j].time, world.s.start)) > 0)
 				continue;
 			give_levels(&l, &f->fix[j]);
 			fw_loose_item(&l, &f->fix[j]);
+			if (f->heading != NULL && f->heading[j].heading.sd_rad > 0)
+				fw_loose_item(&l, &f->heading[j]);
 		}
+		for (; m < world.n_fields && m * world.field_every <= k; m++)
+			fw_loose_item(&l, &f->field[m]);
 		if (fw_loose_imu(&l, &f->imu[k]) < 0)
 			return false;
 	}
@@ -590,14 +688,24 @@ static void print_outages(const tally *t)
 	       sqrt(t->heading_predicted2 / n) / DEG);
 }
 
+static void print_heading(const tally *t)
+{
+	const double n = (double)t->headings, all = (double)t->headings_all;
+	printf(" outage-compass=%.4f outage-corrected=%.4f outage-filter=%.4f compass=%.4f corrected=%.4f filter=%.4f",
+	       sqrt(t->raw2 / n) / DEG, sqrt(t->corrected2 / n) / DEG, sqrt(t->filter2 / n) / DEG,
+	       sqrt(t->raw2_all / all) / DEG, sqrt(t->corrected2_all / all) / DEG, sqrt(t->filter2_all / all) / DEG);
+}
+
 static void print_tally(const tally *t)
 {
 	if (wanted.report == SECTIONS)
 		print_sections(t);
 	else if (wanted.report == CONSISTENCY)
 		print_consistency(t);
-	else
+	else if (wanted.report == OUTAGES)
 		print_outages(t);
+	else
+		print_heading(t);
 }
 
 static void fly_all(const fw_loose_options *o)
@@ -638,7 +746,7 @@ static bool numbers(const char *text, char separator, int n, double to[])
 
 static bool take_option(const char *name, const char *value)
 {
-	static const char *const reports[] = {"sections", "consistency", "outages"};
+	static const char *const reports[] = {"sections", "consistency", "outages", "heading"};
 	double v[3];
 	if (strcmp(name, "--set") == 0)
 		return scenario_set(&world.s, &self, value) == EXIT_COMPLETE;
@@ -653,10 +761,10 @@ static bool take_option(const char *name, const char *value)
 		wanted.first_s = v[2];
 		return true;
 	}
-	for (int i = 0; strcmp(name, "--report") == 0 && i < 3; i++) {
+	for (int i = 0; strcmp(name, "--report") == 0 && i < 4; i++) {
 		if (strcmp(value, reports[i]) != 0)
 			continue;
-		wanted.report = i == 0 ? SECTIONS : i == 1 ? CONSISTENCY : OUTAGES;
+		wanted.report = (enum report)i;
 		return true;
 	}
 	return false;

@@ -13,6 +13,7 @@
 #include "base/random.h"
 #include "fusion/filter.h"
 #include "fusion/measure_navigation.h"
+#include "ins/magnetometer.h"
 
 static const unsigned all_blocks = (1U << FW_BLOCK_COUNT) - 1;
 
@@ -172,6 +173,18 @@ static void heading(const fw_filter *f, fw_measurement *z)
 	assert_int_equal(fw_measure_heading(f, 1.0, 0.01, z), FW_OK);
 }
 
+static const double field_nt[3] = {17000, 1200, 51000};
+static double field_b[3];
+
+static void compass(const fw_filter *f, fw_measurement *z)
+{
+	const fw_mag_calibration as_it_is = fw_mag_as_it_is(53.8, 0.1);
+	double rpy[3], heading_rad, sd;
+	fw_quat_to_euler(f->pva.q_n_b, rpy);
+	assert_int_equal(fw_mag_heading(&as_it_is, field_b, rpy, 0, field_nt, &heading_rad, &sd), FW_OK);
+	assert_int_equal(fw_measure_compass(f, heading_rad, 0.01, field_nt, z), FW_OK);
+}
+
 static void height(const fw_filter *f, fw_measurement *z)
 {
 	fw_measure_height(f, 100, 0.5, z);
@@ -208,6 +221,12 @@ static void measurements_are_derivatives(void **state)
 		check_measurement(&f, position, "position");
 		check_measurement(&f, velocity, "velocity");
 		check_measurement(&f, heading, "heading");
+		double C[3][3], field_ut[3];
+		for (int i = 0; i < 3; i++)
+			field_ut[i] = field_nt[i] * 1e-3;
+		fw_quat_to_matrix(f.pva.q_n_b, C);
+		fw_mat3_t_vec(C, field_ut, field_b);
+		check_measurement(&f, compass, "compass");
 		check_measurement(&f, height, "height");
 		check_measurement(&f, zero_velocity, "zero velocity");
 		check_measurement(&f, zero_rate, "zero rate");

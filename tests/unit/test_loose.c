@@ -288,7 +288,7 @@ static void many_against_one(void **state)
 static void integrity_steers(void **state)
 {
 	(void)state;
-	fw_item levels = {.kind = FW_ITEM_LEVELS, .levels = {100, 100, FW_INTEGRITY_UNRELIABLE}};
+	fw_item levels = {.kind = FW_ITEM_LEVELS, .levels = {100, 100, FW_UNRELIABLE}};
 	start();
 	fly(1, 1000);
 	const uint64_t used = l.counts.used[FW_ITEM_FIX];
@@ -349,11 +349,145 @@ static void options_are_checked(void **state)
 	assert_int_equal(fw_loose_init(&l, &o, NULL), FW_EINVAL);
 }
 
+/* A stamp a nanosecond after another says nothing about how often samples come: later ones are no gaps, and take no ages. */
+static void two_samples_at_once(void **state)
+{
+	(void)state;
+	for (int at = 0; at <= 3000; at += 3000) {
+		start();
+		fly(1, at);
+		fw_imu_reading s = flight_imu(&f, &imu, at + 1);
+		assert_int_equal(fw_loose_imu(&l, &s), FW_OK);
+		s.time.ns++;
+		assert_int_equal(fw_loose_imu(&l, &s), FW_OK);
+		assert_int_equal(fly(at + 2, at + 3000), 0);
+		assert_true(l.counts.bridged <= 1);
+		assert_true(worst(at + 3000) < 5);
+	}
+}
+
+static void dead_sensors(void **state)
+{
+	(void)state;
+	fw_imu_reading s = {.gyro_radps = {0, 0, 0}, .accel_mps2 = {0, 0.1, -9.8}}; /* coarse steps, at rest */
+	assert_int_equal(fw_examine_reading(&s, 60, 500), FW_REFUSED_COUNT);
+	s.accel_mps2[0] = 0.2; /* a fall, but one that is felt */
+	s.accel_mps2[2] = -0.1;
+	assert_int_equal(fw_examine_reading(&s, 60, 500), FW_REFUSED_COUNT);
+	s.accel_mps2[2] = -0.0;
+	assert_int_equal(fw_examine_reading(&s, 60, 500), FW_REFUSED_RANGE);
+	s.accel_mps2[2] = -9.8;
+	s.gyro_radps[1] = 1e-310;
+	assert_int_equal(fw_examine_reading(&s, 60, 500), FW_REFUSED_RANGE);
+}
+
+/* A hundred fixes somewhere else are a fault of the receiver; three hundred say that the filter is not where it thinks. */
+static void strayed(void **state)
+{
+	(void)state;
+	start();
+	fly(1, 1000);
+	l.filter.pva.llh[0] += 0.01; /* 64 km */
+	assert_int_equal(fly(1001, 3000), 0);
+	assert_int_equal(l.counts.refused[FW_ITEM_FIX][FW_REFUSED_RANGE], 100);
+	fly(3001, 9000);
+	assert_false(l.running);
+	assert_int_equal(l.counts.strayed, 1);
+	assert_int_equal(l.counts.refused[FW_ITEM_FIX][FW_REFUSED_RANGE], 300);
+}
+
+/* The zero of the barometer came from a reading that was wrong: it is learnt anew. */
+static void wrong_first_height(void **state)
+{
+	(void)state;
+	fw_loose_options o = fw_loose_defaults;
+	o.height_sd_m = 1;
+	start_with(&o, NULL);
+	for (int k = 1; k <= 3000; k++) {
+		const fw_item height = {.time = f.truth[k].time,
+		                        .kind = FW_ITEM_HEIGHT,
+		                        .height.height_m = k == 20 ? 2000 : f.truth[k].llh[2]};
+		if (k % 20 == 0)
+			fw_loose_item(&l, &height);
+		fly(k, k);
+	}
+	assert_int_equal(l.counts.refused[FW_ITEM_HEIGHT][FW_REFUSED_GATE], o.gate_patience);
+	assert_int_equal(l.counts.used[FW_ITEM_HEIGHT], 150 - o.gate_patience);
+	assert_true(worst(3000) < 5);
+}
+
+/* Level and straight on at constant speed an IMU feels what it feels at rest. When the filter has lost its speed, too, it is not
+ * to be taken for rest. */
+static void cruise_is_no_rest(void **state)
+{
+	(void)state;
+	const double attitude[3] = {0.001, 0.001, 0.01}, velocity[3] = {5, 5, 5}, position[3] = {1, 1, 1};
+	const double still[3] = {0}, down = -9.81;
+	fw_loose_options o = fw_loose_defaults;
+	fw_pva slow = f.truth[0];
+	memcpy(slow.velocity_mps, still, sizeof still);
+	assert_int_equal(fw_loose_init(&l, &o, NULL), FW_OK);
+	assert_int_equal(fw_loose_start(&l, &slow, attitude, velocity, position, NULL, NULL), FW_OK);
+	for (int k = 1; k <= 500; k++) {
+		const fw_imu_reading s = {.time = f.truth[k].time, .accel_mps2 = {0, 0, down}};
+		assert_int_equal(fw_loose_imu(&l, &s), FW_OK);
+	}
+	assert_true(l.stillness.still);
+	assert_int_equal(l.counts.still, 0);
+	assert_true(l.filter.P[3][3] > 20);
+}
+
+/* Levels that cannot be are none, but what the record says of the state stands. */
+static void impossible_levels(void **state)
+{
+	(void)state;
+	fw_item levels = {.kind = FW_ITEM_LEVELS, .levels = {1e30, 10, FW_UNRELIABLE}};
+	start();
+	fly(1, 99);
+	levels.time = f.truth[100].time;
+	fw_loose_item(&l, &levels);
+	fly(100, 100);
+	assert_int_equal(l.counts.refused[FW_ITEM_LEVELS][FW_REFUSED_RANGE], 1);
+	assert_false(l.levels.known);
+	assert_int_equal(l.integrity, FW_UNRELIABLE);
+}
+
+/* Before a run items are judged by what they say, and come out with the covariance of the options. */
+static void usable_items(void **state)
+{
+	(void)state;
+	fw_loose_options o = fw_loose_defaults;
+	start();
+	fw_item item = fix_at(100);
+	assert_true(fw_loose_usable(&l, &item));
+	item.fix.R_position[0][0] = 0;
+	assert_false(fw_loose_usable(&l, &item));
+	assert_int_equal(l.counts.refused[FW_ITEM_FIX][FW_REFUSED_SIGMA], 1);
+	for (int i = 0; i < 3; i++)
+		o.position_sd[i] = 2;
+	start_with(&o, NULL);
+	assert_true(fw_loose_usable(&l, &item));
+	assert_true(item.fix.R_position[0][0] == 4);
+}
+
+/* The log ends before it is known whether its last sample came after a gap or has a wrong time. */
+static void the_end(void **state)
+{
+	(void)state;
+	start();
+	fly(1, 100);
+	fw_imu_reading s = flight_imu(&f, &imu, 5000);
+	assert_int_equal(fw_loose_imu(&l, &s), FW_DUBIOUS);
+	fw_loose_end(&l);
+	fw_loose_end(&l);
+	assert_int_equal(l.counts.samples_refused[FW_REFUSED_RANGE], 1);
+}
+
 /* The factors of the paper, by hand: HPL 10 of 20, VPL 50 of 25. */
 static void factors_of_the_paper(void **state)
 {
 	(void)state;
-	fw_adapt_options o = fw_adapt_defaults;
+	fw_adapt_options o = fw_loose_defaults.adapt;
 	const fw_levels levels = {true, 10, 50}, unknown = {0};
 	o.tau1 = 2;
 	o.tau2 = 3;
@@ -376,6 +510,10 @@ int main(void)
 	    cmocka_unit_test(items_keep_their_order),  cmocka_unit_test(many_against_one),
 	    cmocka_unit_test(integrity_steers),        cmocka_unit_test(samples_are_divided),
 	    cmocka_unit_test(options_are_checked),     cmocka_unit_test(factors_of_the_paper),
+	    cmocka_unit_test(two_samples_at_once),     cmocka_unit_test(dead_sensors),
+	    cmocka_unit_test(strayed),                 cmocka_unit_test(wrong_first_height),
+	    cmocka_unit_test(cruise_is_no_rest),       cmocka_unit_test(impossible_levels),
+	    cmocka_unit_test(usable_items),            cmocka_unit_test(the_end),
 	};
 	return cmocka_run_group_tests(tests, make_flight, NULL);
 }
