@@ -120,7 +120,7 @@ const option fuse_option_table[] = {
     CHOICE("compass", 0, "yes|no", "no", "use the magnetometer"),
     NUMBER("compass-sd", "DEG", "5", 0.01, 180,
            "sigma of a magnetic heading that the table does not correct"),
-    NUMBER("compass-every", "S", "1", 0, 3600, "magnetic headings are used so far apart at least"),
+    NUMBER("compass-every", "S", "10", 0, 3600, "magnetic headings are used so far apart at least"),
     CHOICE("compass-table", 0, "yes|no", "yes", "learn corrections from the antennas' heading"),
     TEXT("compass-calibration", 0, "none|turning|log|NUMBERS", "none",
          "hard and soft iron: how they are found"),

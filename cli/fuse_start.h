@@ -27,7 +27,8 @@ typedef struct {
 	double heading_rad, heading_sd_rad; /* given */
 	double limit_rad;                   /* a heading sigma that is good enough */
 	fw_align_imu imu;
-	double gyro_bias_walk; /* what the bias changes during the run: no bias is known better than that [rad/s] */
+	double
+	    gyro_bias_walk; /* what the bias changes during the run: no bias is known better than that [rad/s] */
 	double lever_b[3];
 	fw_stillness_setup still;
 	double gap_s; /* a gap of the IMU that ends what is known */

@@ -402,8 +402,9 @@ static void judge_innovations(const fw_loose_counts *c)
 		hint = "; their errors seem to stay a while, which the sigmas here do not know: --adapt gm";
 	else if (nis > 2)
 		hint = "; fixes or IMU are worse than they are said to be";
-	tool_note(&self, "innovations of positions, squared over their variance: %.2f on average (1 expected)%s", nis,
-	          hint);
+	tool_note(&self,
+	          "innovations of positions, squared over their variance: %.2f on average (1 expected)%s",
+	          nis, hint);
 }
 
 /* What was refused, and what else the user should know. Returns how much was refused. */

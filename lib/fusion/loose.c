@@ -15,14 +15,16 @@
 /* Beyond this an innovation is no error of a receiver [m]. */
 #define FAR_M 50e3
 
-/* Fixes are believed after fewer refusals than --gate-patience when none was used for so long [s]. */
-#define PATIENCE_S     10
-#define LEAST_PATIENCE 3
+/* Fixes that were refused are believed after so long at the earliest [s]. */
+#define PATIENCE_S 30
+
+/* A run is proven after so long [s]. */
+#define YOUNG_S 120
 
 /* By how much an attitude may be doubted at a time [rad]; and so many times within so long [s] are too many. */
 #define DOUBT_MOST  0.5
 #define DOUBTS_MOST 3
-#define STRAYING_S  60
+#define STRAYING_S  100
 
 /* What only a filter gone astray explains has to be said so many times --gate-patience. */
 #define MUCH_PATIENCE 10
@@ -53,10 +55,14 @@
 /* phi, down: what a heading speaks of. */
 #define HEADING_STATE 2
 
+/* So long a vehicle has to keep its velocity before it counts as standing [s]; to so much [m/s]. */
+#define REST_S     2
+#define PUSH_LEAST 0.03
+
 /* A quiet cruise feels like rest. The filter has to be sure that it is slow: its speed and the sigma of it [m/s]. */
 #define SLOW_MPS 0.5
 
-/* Zero-velocity updates come so often [ns]; errors of stillness are no white noise. */
+/* Zero-velocity updates come so often [ns], at round times: errors of stillness are no white noise. */
 #define STILL_EVERY_NS (FW_NS_PER_S / 2)
 
 const fw_loose_options fw_loose_defaults = {
@@ -89,7 +95,7 @@ const fw_loose_options fw_loose_defaults = {
     .gate = 1e-5,
     .gate_patience = 30,
     .field_sd_rad = 0.087,
-    .field_tau_s = 1,
+    .field_tau_s = 10,
     .use_table = true,
     .declination_rad = (double)NAN,
     .height_drift_m = 1,
@@ -314,6 +320,8 @@ fw_status fw_loose_start(fw_loose *l, const fw_pva *pva, const double attitude_s
 	memset(l->half_refused, 0, sizeof l->half_refused);
 	l->half_used[0] = l->half_used[1] = l->doubted = pva->time;
 	l->doubts = 0;
+	l->rest_since = l->begun = pva->time;
+	memset(l->push_mps, 0, sizeof l->push_mps);
 	l->last_fix = l->still_time = l->field_time = pva->time;
 	(void)!fw_stillness_init(&o->still, &l->stillness);
 	node_begin(l);
@@ -454,7 +462,8 @@ void fw_loose_item(fw_loose *l, const fw_item *given)
 	if (why != FW_REFUSED_COUNT)
 		refuse(l, &item, why, 0);
 	if (item.kind == FW_ITEM_LEVELS && why == FW_REFUSED_RANGE)
-		item.levels.hpl_m = item.levels.vpl_m = (double)NAN; /* what the monitor says of the state stands */
+		item.levels.hpl_m = item.levels.vpl_m =
+		    (double)NAN; /* what the monitor says of the state stands */
 	else if (why != FW_REFUSED_COUNT)
 		return;
 	*before = item.time;
@@ -569,13 +578,18 @@ static bool is_enough(const fw_loose *l, fw_item_kind kind, int factor)
 	return l->options.gate_patience > 0 && l->refused_in_row[kind] / factor >= l->options.gate_patience;
 }
 
-/* The same for the halves of a fix: the receiver is right, too, when the filter has been without it for long. */
+/* The same for the halves of a fix, and for long: reflections and wrong ambiguities last, and agree with each other. Velocities
+ * are believed only where no position bears the filter out. But a run that has just begun is itself the first to be doubted: its
+ * patience grows with its age. */
 static bool is_time_to_believe(const fw_loose *l, fw_block block)
 {
-	const int in_row = l->half_refused[block == FW_BLOCK_VELOCITY];
-	const double alone_s = fw_time_diff_s(l->filter.pva.time, l->half_used[block == FW_BLOCK_VELOCITY]);
-	return l->options.gate_patience > 0 &&
-	       (in_row >= l->options.gate_patience || (in_row >= LEAST_PATIENCE && alone_s > PATIENCE_S));
+	const fw_time now = l->filter.pva.time;
+	const double age_s = fw_time_diff_s(now, l->begun), share = fmin(fmax(age_s / YOUNG_S, 0.05), 1);
+	const double *const alone = (const double[]){fw_time_diff_s(now, l->half_used[0]),
+	                                             fw_time_diff_s(now, l->half_used[1])};
+	const int half = block == FW_BLOCK_VELOCITY;
+	return l->options.gate_patience > 0 && l->half_refused[half] >= share * l->options.gate_patience &&
+	       alone[half] > share * PATIENCE_S && (half == 0 || share < 1 || alone[0] > PATIENCE_S);
 }
 
 /* Makes an innovation credible: what it is off goes into the variances of the n states that it speaks of, as if it had come
@@ -605,8 +619,10 @@ static void doubt(fw_loose *l, const fw_measurement *z, fw_block block)
 		if (l->node_open)
 			l->node.P_predicted[i][i] += angle * angle;
 	}
+	l->begun = now; /* as good as: if that was wrong, it must not take as long to find back */
 	if (angle == DOUBT_MOST) {
-		l->lost |= l->doubts > 0 && fw_time_diff_s(now, l->doubted) < STRAYING_S && l->doubts + 1 >= DOUBTS_MOST;
+		l->lost |= l->doubts > 0 && fw_time_diff_s(now, l->doubted) < STRAYING_S &&
+		           l->doubts + 1 >= DOUBTS_MOST;
 		l->doubts = fw_time_diff_s(now, l->doubted) < STRAYING_S ? l->doubts + 1 : 1;
 		l->doubted = now;
 	}
@@ -626,7 +642,8 @@ static bool update_fix(fw_loose *l, const fw_item *item, fw_measurement *z, fw_b
 	}
 	if (is_position && !(speed_of(z->innovation) < FAR_M)) {
 		++*in_row;
-		l->lost |= l->options.gate_patience > 0 && *in_row / MUCH_PATIENCE >= l->options.gate_patience;
+		l->lost |=
+		    l->options.gate_patience > 0 && *in_row / MUCH_PATIENCE >= l->options.gate_patience;
 		refuse(l, item, FW_REFUSED_RANGE, 0);
 		return false;
 	}
@@ -771,7 +788,8 @@ static void take_field(fw_loose *l, const fw_item *item)
 	double rpy[3], heading, sd, correction = 0, correction_sd = l->options.field_sd_rad;
 	fw_measurement z;
 	fw_quat_to_euler(l->filter.pva.q_n_b, rpy);
-	if (!know_field(l) || fw_mag_heading(&as_it_is, item->field.b_ut, rpy, 0, l->field_ned_nt, &heading, &sd) < 0) {
+	if (!know_field(l) ||
+	    fw_mag_heading(&as_it_is, item->field.b_ut, rpy, 0, l->field_ned_nt, &heading, &sd) < 0) {
 		refuse(l, item, FW_REFUSED_RANGE, 0);
 		return;
 	}
@@ -784,7 +802,8 @@ static void take_field(fw_loose *l, const fw_item *item)
 		fw_heading_table_correction(&l->table, heading, &correction, &correction_sd);
 		correction_sd = fmin(correction_sd, l->options.field_sd_rad);
 	}
-	if (fw_measure_compass(&l->filter, heading + correction, hypot(sd, correction_sd), l->field_ned_nt, &z) < 0) {
+	if (fw_measure_compass(&l->filter, heading + correction, hypot(sd, correction_sd), l->field_ned_nt,
+	                       &z) < 0) {
 		refuse(l, item, FW_REFUSED_RANGE, 0);
 		return;
 	}
@@ -877,7 +896,11 @@ static void advance(fw_loose *l, fw_time end, const double gyro[static 3], const
 			raw.angle_rad[i] = gyro[i] * dt;
 			raw.velocity_mps[i] = accel[i] * dt;
 		}
+		for (int i = 0; i < 3; i++)
+			l->push_mps[i] -= l->filter.pva.velocity_mps[i];
 		fw_filter_predict(&l->filter, &raw);
+		for (int i = 0; i < 3; i++)
+			l->push_mps[i] += l->filter.pva.velocity_mps[i];
 		l->filter.pva.time.ns = to;
 		take_due(l);
 	}
@@ -956,14 +979,33 @@ static void learn_interval(fw_loose *l, double dt)
 	l->interval_s += 0.05 * (fmin(dt, 2 * l->interval_s) - l->interval_s);
 }
 
+/* A vehicle that rolls out brakes so gently that its IMU calls it still. But its velocity changes, and the filter sees that to a few
+ * centimetres per second, by as much as its level is known. Returns whether it has been at rest for long enough. */
+static bool is_at_rest(fw_loose *l, fw_time now)
+{
+	const double rest_s = fw_time_diff_s(now, l->rest_since),
+	             tilt = sqrt(l->filter.P[0][0] + l->filter.P[1][1]),
+	             most = PUSH_LEAST + 2 * 9.8 * tilt * fmin(rest_s, REST_S);
+	if (l->stillness.still && speed_of(l->push_mps) <= most) {
+		if (rest_s <= REST_S)
+			return false;
+		for (int i = 0; i < 3; i++) /* what came long ago is forgotten */
+			l->push_mps[i] *= 1 - fmin(l->interval_s / REST_S, 1);
+		return true;
+	}
+	l->rest_since = now;
+	memset(l->push_mps, 0, sizeof l->push_mps);
+	return false;
+}
+
 /* Zero velocity while the vehicle stands. It stands when the IMU is quiet and the filter has it so, too. */
 static void take_stillness(fw_loose *l, const fw_imu_reading *s)
 {
 	fw_filter *f = &l->filter;
 	fw_measurement z;
 	double nis;
-	if (fw_stillness_imu(&l->stillness, s->time, s->gyro_radps, s->accel_mps2) < 0 ||
-	    !l->stillness.still || s->time.ns - l->still_time.ns < STILL_EVERY_NS)
+	if (fw_stillness_imu(&l->stillness, s->time, s->gyro_radps, s->accel_mps2) < 0 || !is_at_rest(l, s->time) ||
+	    s->time.ns / STILL_EVERY_NS == l->still_time.ns / STILL_EVERY_NS)
 		return;
 	fw_measure_zero_velocity(f, l->options.still_sd_mps, &z);
 	const double sd = sqrt(f->P[3][3] + f->P[4][4] + f->P[5][5]);

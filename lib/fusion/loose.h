@@ -52,7 +52,7 @@ typedef struct {
 			double height_m;
 		} height;
 		struct {
-			double hpl_m, vpl_m; /* NAN: not known */
+			double hpl_m, vpl_m;      /* NAN: not known */
 			fw_integrity_state state; /* of the integrity monitor */
 		} levels;
 		struct {
@@ -154,12 +154,13 @@ enum { FW_LOOSE_QUEUE = 256 };
 
 typedef struct {
 	uint64_t samples, bridged, gaps; /* IMU samples used; gaps that were bridged, and that ended a run */
-	uint64_t strayed;            /* runs that ended because all fixes were somewhere else */
+	uint64_t strayed;                /* runs that ended because all fixes were somewhere else */
 	uint64_t samples_refused[FW_REFUSED_COUNT];
 	uint64_t used[FW_ITEM_MARK + 1];
 	uint64_t refused[FW_ITEM_MARK + 1][FW_REFUSED_COUNT];
 	uint64_t still, forced; /* zero-velocity updates; fixes believed after too many were refused */
-	double nis_sum, position_nis_sum;     /* normalised innovations squared, of positions and velocities that were used; of the */
+	double nis_sum,
+	    position_nis_sum; /* normalised innovations squared, of positions and velocities that were used; of the */
 	uint64_t nis_rows, position_nis_rows; /* positions alone; and how many rows they had */
 } fw_loose_counts;
 
@@ -182,9 +183,12 @@ typedef struct fw_loose {
 	fw_item queue[FW_LOOSE_QUEUE];
 	int queued;
 	int refused_in_row[FW_ITEM_MARK + 1];
-	int half_refused[2];         /* positions and velocities in a row */
-	fw_time half_used[2];        /* the last that were used */
-	int doubts;                  /* of the attitude, not long after each other */
+	double push_mps[3];          /* change of velocity by what the IMU feels, since */
+	fw_time rest_since;
+	fw_time begun;               /* the run; or anew, with fixes that it had refused */
+	int half_refused[2];  /* positions and velocities in a row */
+	fw_time half_used[2]; /* the last that were used */
+	int doubts;           /* of the attitude, not long after each other */
 	fw_time doubted;
 	fw_vb_scale vb[4];
 	fw_stillness stillness;
@@ -192,7 +196,7 @@ typedef struct fw_loose {
 	fw_heading_table table;
 	fw_imu_reading suspect; /* far ahead in time: a gap, or a wrong time? */
 	bool has_last, has_suspect, node_open;
-	bool lost;                   /* all fixes are somewhere else */
+	bool lost;              /* all fixes are somewhere else */
 	double field_ned_nt[3]; /* the Earth's, of the first reading; 0: not yet */
 	double compass_off_rad; /* magnetic heading minus the filter's, of the last reading, for the table */
 	bool has_compass;

@@ -369,7 +369,8 @@ static void two_samples_at_once(void **state)
 static void dead_sensors(void **state)
 {
 	(void)state;
-	fw_imu_reading s = {.gyro_radps = {0, 0, 0}, .accel_mps2 = {0, 0.1, -9.8}}; /* coarse steps, at rest */
+	fw_imu_reading s = {.gyro_radps = {0, 0, 0},
+	                    .accel_mps2 = {0, 0.1, -9.8}}; /* coarse steps, at rest */
 	assert_int_equal(fw_examine_reading(&s, 60, 500), FW_REFUSED_COUNT);
 	s.accel_mps2[0] = 0.2; /* a fall, but one that is felt */
 	s.accel_mps2[2] = -0.1;
@@ -504,16 +505,26 @@ static void factors_of_the_paper(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(stays_on_the_path),       cmocka_unit_test(bad_samples_are_refused),
-	    cmocka_unit_test(times_are_in_order),      cmocka_unit_test(gaps),
-	    cmocka_unit_test(wrong_fixes_are_refused), cmocka_unit_test(five_percent_outliers),
-	    cmocka_unit_test(items_keep_their_order),  cmocka_unit_test(many_against_one),
-	    cmocka_unit_test(integrity_steers),        cmocka_unit_test(samples_are_divided),
-	    cmocka_unit_test(options_are_checked),     cmocka_unit_test(factors_of_the_paper),
-	    cmocka_unit_test(two_samples_at_once),     cmocka_unit_test(dead_sensors),
-	    cmocka_unit_test(strayed),                 cmocka_unit_test(wrong_first_height),
-	    cmocka_unit_test(cruise_is_no_rest),       cmocka_unit_test(impossible_levels),
-	    cmocka_unit_test(usable_items),            cmocka_unit_test(the_end),
+	    cmocka_unit_test(stays_on_the_path),
+	    cmocka_unit_test(bad_samples_are_refused),
+	    cmocka_unit_test(times_are_in_order),
+	    cmocka_unit_test(gaps),
+	    cmocka_unit_test(wrong_fixes_are_refused),
+	    cmocka_unit_test(five_percent_outliers),
+	    cmocka_unit_test(items_keep_their_order),
+	    cmocka_unit_test(many_against_one),
+	    cmocka_unit_test(integrity_steers),
+	    cmocka_unit_test(samples_are_divided),
+	    cmocka_unit_test(options_are_checked),
+	    cmocka_unit_test(factors_of_the_paper),
+	    cmocka_unit_test(two_samples_at_once),
+	    cmocka_unit_test(dead_sensors),
+	    cmocka_unit_test(strayed),
+	    cmocka_unit_test(wrong_first_height),
+	    cmocka_unit_test(cruise_is_no_rest),
+	    cmocka_unit_test(impossible_levels),
+	    cmocka_unit_test(usable_items),
+	    cmocka_unit_test(the_end),
 	};
 	return cmocka_run_group_tests(tests, make_flight, NULL);
 }
