@@ -585,8 +585,8 @@ static bool is_time_to_believe(const fw_loose *l, fw_block block)
 {
 	const fw_time now = l->filter.pva.time;
 	const double age_s = fw_time_diff_s(now, l->begun), share = fmin(fmax(age_s / YOUNG_S, 0.05), 1);
-	const double *const alone = (const double[]){fw_time_diff_s(now, l->half_used[0]),
-	                                             fw_time_diff_s(now, l->half_used[1])};
+	const double *const alone =
+	    (const double[]){fw_time_diff_s(now, l->half_used[0]), fw_time_diff_s(now, l->half_used[1])};
 	const int half = block == FW_BLOCK_VELOCITY;
 	return l->options.gate_patience > 0 && l->half_refused[half] >= share * l->options.gate_patience &&
 	       alone[half] > share * PATIENCE_S && (half == 0 || share < 1 || alone[0] > PATIENCE_S);
@@ -1004,8 +1004,8 @@ static void take_stillness(fw_loose *l, const fw_imu_reading *s)
 	fw_filter *f = &l->filter;
 	fw_measurement z;
 	double nis;
-	if (fw_stillness_imu(&l->stillness, s->time, s->gyro_radps, s->accel_mps2) < 0 || !is_at_rest(l, s->time) ||
-	    s->time.ns / STILL_EVERY_NS == l->still_time.ns / STILL_EVERY_NS)
+	if (fw_stillness_imu(&l->stillness, s->time, s->gyro_radps, s->accel_mps2) < 0 ||
+	    !is_at_rest(l, s->time) || s->time.ns / STILL_EVERY_NS == l->still_time.ns / STILL_EVERY_NS)
 		return;
 	fw_measure_zero_velocity(f, l->options.still_sd_mps, &z);
 	const double sd = sqrt(f->P[3][3] + f->P[4][4] + f->P[5][5]);

@@ -183,9 +183,9 @@ typedef struct fw_loose {
 	fw_item queue[FW_LOOSE_QUEUE];
 	int queued;
 	int refused_in_row[FW_ITEM_MARK + 1];
-	double push_mps[3];          /* change of velocity by what the IMU feels, since */
+	double push_mps[3]; /* change of velocity by what the IMU feels, since */
 	fw_time rest_since;
-	fw_time begun;               /* the run; or anew, with fixes that it had refused */
+	fw_time begun;        /* the run; or anew, with fixes that it had refused */
 	int half_refused[2];  /* positions and velocities in a row */
 	fw_time half_used[2]; /* the last that were used */
 	int doubts;           /* of the attitude, not long after each other */

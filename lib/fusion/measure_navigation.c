@@ -117,8 +117,8 @@ fw_status fw_measure_heading(const fw_filter *f, double heading_rad, double sd_r
 
 /* The field as the filter has it is B - phi x B: its direction in the horizontal plane is off by
  * -phi_down + (B_down / B_horizontal) (phi_north cos(declination) + phi_east sin(declination)). */
-fw_status fw_measure_compass(const fw_filter *f, double heading_rad, double sd_rad, const double field_ned_nt[static 3],
-                             fw_measurement *z)
+fw_status fw_measure_compass(const fw_filter *f, double heading_rad, double sd_rad,
+                             const double field_ned_nt[static 3], fw_measurement *z)
 {
 	const double *B = field_ned_nt, h2 = B[0] * B[0] + B[1] * B[1];
 	const fw_status status = fw_measure_heading(f, heading_rad, sd_rad, z);

@@ -24,8 +24,8 @@ fw_status fw_measure_heading(const fw_filter *f, double heading_rad, double sd_r
  * by tan(inclination) times as much, which is part of H.
  *   field_ned_nt  in  the Earth's field, fw_magnetic_field; not vertical
  * Returns as fw_measure_heading. */
-fw_status fw_measure_compass(const fw_filter *f, double heading_rad, double sd_rad, const double field_ned_nt[static 3],
-                             fw_measurement *z) FW_MUST_CHECK;
+fw_status fw_measure_compass(const fw_filter *f, double heading_rad, double sd_rad,
+                             const double field_ned_nt[static 3], fw_measurement *z) FW_MUST_CHECK;
 
 /* Barometric height [m]. The height error block is part of it if there is one. */
 void fw_measure_height(const fw_filter *f, double height_m, double sd_m, fw_measurement *z);

@@ -16,7 +16,13 @@
 #include "base/status.h"
 #include "base/time.h"
 
-typedef enum { FW_INTEGRITY_UNKNOWN, FW_RELIABLE, FW_NO_SBAS, FW_UNRELIABLE, FW_NO_POSITION } fw_integrity_state;
+typedef enum {
+	FW_INTEGRITY_UNKNOWN,
+	FW_RELIABLE,
+	FW_NO_SBAS,
+	FW_UNRELIABLE,
+	FW_NO_POSITION
+} fw_integrity_state;
 
 /* Why a state is entered, and none that is better. */
 typedef enum {

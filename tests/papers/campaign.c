@@ -1,13 +1,14 @@
-/* Many simulated flights through the filter, in memory: what Monte Carlo campaigns and the search for settings are made of.
+/* Many simulated flights through the filter, in memory: for Monte Carlo campaigns and the search for settings.
  *
- *     campaign SCENARIO.ini [--seeds FIRST-LAST] [--set SECTION.KEY=VALUE] [--report sections|consistency|outages|heading]
- *              [--smooth] [--withhold EVERY:LENGTH:FIRST] < settings
+ *     campaign SCENARIO.ini [--seeds FIRST-LAST] [--set SECTION.KEY=VALUE] [--smooth]
+ *              [--report sections|consistency|outages|heading] [--withhold EVERY:LENGTH:FIRST] < settings
  *
- * Each line of the input is a list of settings of the filter, KEY=VALUE with blanks between, KEY as insgnss-fuse calls it. For
- * each line all flights are flown, and one line of figures comes out, at once. A flight is that of the scenario: motion, IMU, and
- * fixes whose errors are those of the [pvt] sections, with protection levels of [pvt] k_h and k_v times sigma; for
- * --report heading its magnetometer and the heading of its two antennas as well, with its faults.
- * The filter begins at the truth plus errors that it is told the sigma of, with the position and velocity of the first fix. */
+ * Each line of the input is a list of settings of the filter, KEY=VALUE with blanks between, KEY as insgnss-fuse
+ * calls it. For each line all flights are flown, and one line of figures comes out, at once. A flight is that of the
+ * scenario: motion, IMU, and fixes whose errors are those of the [pvt] sections, with protection levels of [pvt] k_h
+ * and k_v times sigma; for --report heading its magnetometer and the heading of its two antennas as well, with its
+ * faults. The filter begins at the truth plus errors that it is told the sigma of, with the position and velocity of
+ * the first fix. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,8 +50,8 @@ static struct {
 typedef struct {
 	fw_imu_reading *imu;      /* n of them, at k / rate, k = 1..n */
 	fw_item *fix;             /* n_fixes */
-	fw_item *heading;    /* with each fix; NULL: none wanted */
-	fw_item *field;      /* of the magnetometer, n_fields */
+	fw_item *heading;         /* with each fix; NULL: none wanted */
+	fw_item *field;           /* of the magnetometer, n_fields */
 	fw_imu errors;            /* biases and scale factors of the sensors, as they began */
 	double attitude_error[3]; /* of the start, in sigmas */
 } flight;
@@ -61,7 +62,7 @@ static struct {
 	fw_trajectory path;
 	int rate_hz, n, every; /* IMU samples; a fix comes with every so many of them */
 	int n_fixes;
-	int field_every, n_fields; /* the same of the magnetometer */
+	int field_every, n_fields;                   /* the same of the magnetometer */
 	fw_pva *truth;                               /* n + 1 */
 	double (*omega)[3], (*force)[3], (*turn)[3]; /* turn: omega_ib_b at the moment */
 	flight *flights;
@@ -168,8 +169,8 @@ static void make_fix(int k, const fw_gm1 error[static 6], fw_item *item)
 	item->fix.llh[2] = p->llh[2] - offset[2];
 }
 
-/* Of an antenna pair: half of the variance stays for the time of multipath, as sim/receiver.h has it. HDOP is that of an open
- * sky. Where the scenario takes the heading away the sigma is 0. */
+/* Of an antenna pair: half of the variance stays for the time of multipath, as sim/receiver.h has it. HDOP is that of
+ * an open sky. Where the scenario takes the heading away the sigma is 0. */
 #define HDOP 0.8
 static void make_headings(flight *f, fw_random *r)
 {
@@ -187,7 +188,8 @@ static void make_headings(flight *f, fw_random *r)
 		fw_quat_to_euler(p->q_n_b, rpy);
 		*item = (fw_item){.time = p->time, .kind = FW_ITEM_HEADING};
 		item->heading.heading_rad = fw_wrap_2pi(rpy[2] + sd * error);
-		if (!fw_faults_hold(s->fault, s->n_faults, FW_FAULT_NO_ATTITUDE, s->station, j / world.s.gnss_rate_hz))
+		if (!fw_faults_hold(s->fault, s->n_faults, FW_FAULT_NO_ATTITUDE, s->station,
+		                    j / world.s.gnss_rate_hz))
 			item->heading.sd_rad = sd;
 		fw_gm1_step(&slow, 1, s->noise.multipath_tau_s, 1 / world.s.gnss_rate_hz, r);
 	}
@@ -390,7 +392,8 @@ typedef struct {
 	long nees_n, inside[2][9]; /* inside one and two sigma */
 	double outage_error2, outage_predicted2, heading_error2, heading_predicted2;
 	long outages;
-	/* Heading errors squared, of compass, compass with the table, filter: while that of GNSS is away; from a minute on. */
+	/* Heading errors squared, of compass, compass with the table, filter: while that of GNSS is away; from a
+	 * minute on. */
 	double raw2, corrected2, filter2, raw2_all, corrected2_all, filter2_all;
 	long headings, headings_all;
 } tally;
@@ -506,7 +509,7 @@ typedef struct {
 	uint64_t rows_before;
 } progress;
 
-/* The compass as it is, with the table's correction, and the filter's heading; at the moments of its readings. */
+/* The compass as it is, with the table's correction, and the filter's heading; at the compass's readings. */
 static void note_heading(const fw_loose *l, int k)
 {
 	const double t_s = (double)k / world.rate_hz;
@@ -691,9 +694,11 @@ static void print_outages(const tally *t)
 static void print_heading(const tally *t)
 {
 	const double n = (double)t->headings, all = (double)t->headings_all;
-	printf(" outage-compass=%.4f outage-corrected=%.4f outage-filter=%.4f compass=%.4f corrected=%.4f filter=%.4f",
+	printf(" outage-compass=%.4f outage-corrected=%.4f outage-filter=%.4f compass=%.4f corrected=%.4f "
+	       "filter=%.4f",
 	       sqrt(t->raw2 / n) / DEG, sqrt(t->corrected2 / n) / DEG, sqrt(t->filter2 / n) / DEG,
-	       sqrt(t->raw2_all / all) / DEG, sqrt(t->corrected2_all / all) / DEG, sqrt(t->filter2_all / all) / DEG);
+	       sqrt(t->raw2_all / all) / DEG, sqrt(t->corrected2_all / all) / DEG,
+	       sqrt(t->filter2_all / all) / DEG);
 }
 
 static void print_tally(const tally *t)

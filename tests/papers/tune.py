@@ -25,7 +25,7 @@ PAPER = [1.972, 1.494, 1.977, 1.077, 1.383, 3.588, 1.855, 2.771, 4.798,
 SIGMAS = {"position-sd-h": 4.0, "position-sd-v": 5.8, "velocity-sd-h": 0.85, "velocity-sd-v": 1.83}
 SENSORS = {"gyro-noise": 0.15, "gyro-walk": 3.0, "accel-noise": 60.0, "accel-walk": 30.0}
 LEVELS = {"hul": 24.0, "vul": 31.0, "tau1": 1.0, "tau2": 1.0, "tau3": 1.0, "tau4": 1.0}
-MARKOV = {"gm-tau": 30.0, "gm-k-h": 6.0, "gm-k-v": 5.33, "1-gm-share": 0.001}
+MARKOV = {"gm-tau": 30.0, "gm-k-h": 6.0, "gm-k-v": 5.33, "1-gm-share": 0.03}
 
 MODES = {
     "static": ("none", {**SIGMAS, **SENSORS}),
