@@ -56,7 +56,7 @@ format:
 	clang-format -i $$(find lib formats cli tests -name '*.[ch]')
 
 bench:
-	@scripts/packages.sh build test
+	@scripts/packages.sh build test bench
 	@scripts/venv.sh
 	@$(call build,release)
 	@scripts/bench.sh

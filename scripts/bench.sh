@@ -5,9 +5,10 @@ cd "$(dirname "$0")/.."
 SRC=$PWD
 BIN=$SRC/build/release/bin
 BENCH=$SRC/build/release/bench
+TOOLS=$SRC/build/release/tools
 PYTHON=$SRC/build/venv/bin/python3
 FURROW_DATA=${FURROW_DATA:-$SRC/../shared/data}
-export SRC BIN BENCH PYTHON FURROW_DATA
+export SRC BIN BENCH TOOLS PYTHON FURROW_DATA
 mkdir -p build/bench # scratch
 
 for bench in "$BENCH"/bench_*; do

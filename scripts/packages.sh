@@ -1,6 +1,6 @@
 #!/bin/sh
 # Install the Debian packages that a task needs, if they are missing.
-#   scripts/packages.sh build|test|check ...
+#   scripts/packages.sh build|test|bench|check ...
 # As root or with sudo; elsewhere the command to type is printed and the exit status is 1.
 set -eu
 
@@ -10,6 +10,7 @@ for task in "$@"; do
 	build) packages="$packages gcc libc6-dev make cmake pkg-config zlib1g-dev libinih-dev liblcm-dev liblcm-bin
 		libglib2.0-dev libcmocka-dev gnuplot-nox" ;;
 	test) packages="$packages python3-venv rtklib gdal-bin mandoc" ;;
+	bench) packages="$packages valgrind" ;;
 	check) packages="$packages clang libclang-rt-14-dev llvm-14 clang-format cppcheck lcov" ;;
 	*) echo "packages.sh: unknown task $task" >&2 && exit 2 ;;
 	esac

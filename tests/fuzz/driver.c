@@ -1,6 +1,6 @@
 /* Runs a harness without libFuzzer: all of its corpus, then mutations of that and of what fuzz_make() makes.
  *
- *   fuzz_NAME              the corpus and FUZZ_RUNS mutations (200,000)
+ *   fuzz_NAME              the corpus and FUZZ_RUNS mutations (200,000), as many of them as 100 s of processor time allow
  *   fuzz_NAME FILE...      these inputs only, with their time and memory
  *   fuzz_NAME -w DIR N     write N inputs of fuzz_make() to DIR
  *
@@ -40,6 +40,8 @@ static fw_random dice;
 /* The input at hand, for whoever has to write it down. */
 static const uint8_t *current;
 static size_t current_size;
+#define MOST_NS INT64_C(100000000000)
+
 static volatile sig_atomic_t seconds;
 
 /* Heap of the input at hand [bytes]. */
@@ -355,7 +357,8 @@ int main(int argc, char **argv)
 		run(pool[n_pool].bytes, pool[n_pool].size);
 	}
 	const int64_t start = processor_ns();
-	for (uint64_t i = 0; i < runs; i++) {
+	uint64_t i = 0;
+	for (; i < runs && processor_ns() - start < MOST_NS; i++) {
 		mutate_and_run();
 		if (i % REFRESH == 0) {
 			input *old = &pool[kept + below(POOL - kept)];
@@ -365,6 +368,6 @@ int main(int argc, char **argv)
 	const double s = (double)(processor_ns() - start) / 1e9;
 	printf("%s: seed %" PRIu64 ", %" PRIu64
 	       " mutations, no finding; %.0f per second, slowest %.1f ms, most heap %" PRId64 " bytes\n",
-	       argv[0], seed, runs, (double)runs / s, (double)slowest_ns / 1e6, largest_heap);
+	       argv[0], seed, i, (double)i / s, (double)slowest_ns / 1e6, largest_heap);
 	return 0;
 }
