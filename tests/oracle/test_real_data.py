@@ -123,8 +123,7 @@ THOR = DATA / "ins" / "thor_flight75" / "thor_flight75.csv.gz"
 THOR_MAP = ("time=time gx=p gy=q gz=r ax=ax ay=ay az=az mx=hx:1 my=hy:1 mz=hz:1 lat=lat lon=lon height=alt vn=vn ve=ve vd=vd "
             "nsats=satVisible fixtime=GPS_TOW")
 THOR_TIME = ["--imu-time", "boot,week=1709"]
-THOR_OPTIONS = ["--imu-columns", THOR_MAP, *THOR_TIME, "--imu-grade", "mems", "--gyro-walk", 60, "--velocity-sd-h", 0.5,
-                "--velocity-sd-v", 1]
+THOR_OPTIONS = ["--imu-columns", THOR_MAP, *THOR_TIME, "--imu-grade", "consumer"]
 THOR_COMPASS = ["--compass", "yes", "--compass-calibration", "log", "--compass-sd", 10]
 THOR_ONBOARD = THOR_MAP + (" nlat=navlat:rad nlon=navlon:rad nheight=navalt nvn=navvn nve=navve nvd=navvd roll=phi:rad "
                            "pitch=theta:rad heading=psi:rad")

@@ -514,13 +514,16 @@ static void note_heading(const fw_loose *l, int k)
 {
 	const double t_s = (double)k / world.rate_hz;
 	const fw_receiver_setup *s = &world.s.rover;
+	static fw_heading_table table; /* a copy: the filter's own is not to be leant over */
 	double rpy[3], true_rpy[3], correction, sd;
 	if (k % world.field_every != 0 || !l->has_compass || t_s < 60)
 		return;
 	fw_quat_to_euler(l->filter.pva.q_n_b, rpy);
 	fw_quat_to_euler(world.truth[k].q_n_b, true_rpy);
 	const double compass = rpy[2] + l->compass_off_rad, raw = fw_wrap_pi(compass - true_rpy[2]);
-	fw_heading_table_correction(&l->table, fw_wrap_2pi(compass), &correction, &sd);
+	table = l->table;
+	fw_heading_table_tilt(&table, rpy);
+	fw_heading_table_correction(&table, fw_wrap_2pi(compass), &correction, &sd);
 	const double corrected = fw_wrap_pi(raw + correction), filter = fw_wrap_pi(rpy[2] - true_rpy[2]);
 	forward.raw2_all += raw * raw;
 	forward.corrected2_all += corrected * corrected;
