@@ -250,6 +250,7 @@ static fw_status read_observations(source_job *j)
 	fw_status status = FW_EOF;
 
 	fw_rinex_obs_begin(r, &now->input);
+	r->no_carriers = j->plan->no_carriers;
 	for (unsigned row = 0; row % ROWS_BETWEEN_LOOKS != 0 || !source_must_stop(j); row++) {
 		status = fw_rinex_obs_read(r, &kind, &record);
 		if (status == FW_OK)

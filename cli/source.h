@@ -23,6 +23,7 @@ typedef struct {
 	fw_kind table;        /* the type that a table must be; FW_RECORD_COUNT: found from its columns */
 	unsigned antennas;    /* FW_ANTENNA_... */
 	unsigned nav_sources; /* FW_NAV_... */
+	bool no_carriers;     /* of RINEX observations: nobody wants carrier phases, which saves time */
 	inventory *blocks;    /* count blocks instead of decoding them; NULL: decode */
 	const char *progress; /* auto, always or never */
 	const log_plan *logs; /* NULL: tables of sensor data only where they explain themselves */

@@ -466,6 +466,7 @@ static int make_plan(sink_plan *sink, source_plan *source)
 	for (fw_kind kind = 0; run.pass_on && kind < FW_RECORD_COUNT; kind++)
 		fw_kind_add(&source->wanted, kind);
 	source->table = FW_RECORD_COUNT;
+	source->no_carriers = !run.pass_on;
 	source->antennas = run.pass_on ? FW_ANTENNA_ALL : FW_ANTENNA_MAIN;
 	source->nav_sources = FW_NAV_RAW | FW_NAV_DECODED;
 	source->progress = options_text(&opts, "progress");

@@ -698,10 +698,16 @@ static bool get_fields(fw_rinex_obs *r, int first, int n, size_t from)
 {
 	const char *p = r->line.text + from, *end = r->line.text + r->line.n;
 	const double *scale = r->scale[r->system];
+	const char(*types)[4] = (const char(*)[4])r->types[r->system];
 	int i = first;
 
 	for (; i < first + n && end - p >= NUMBER; i++, p += FIELD) {
 		double x;
+		if (r->no_carriers && types[i][0] == 'L') {
+			r->values[i] = 0;
+			r->lli[i] = 0;
+			continue;
+		}
 		if (!get_number(p, &x))
 			return false;
 		r->values[i] = scale[i] == 1 ? x : x / scale[i];

@@ -64,6 +64,9 @@ typedef struct {
 	uint64_t lost;            /* satellites' lines, epochs and header lines lost */
 	uint64_t passed_over;     /* observables in header lists that make no column */
 
+	/* To be set after the beginning, before the first reading: carrier phases are not wanted, nor looked at. */
+	bool no_carriers;
+
 	/* Private from here. */
 	fw_lines lines;
 	bool is_compact;
