@@ -437,7 +437,7 @@ static bool take_heading(fuse_records *r, const furrow_att *a, fw_time t, fuse_e
 		sd_deg = sqrt((double)a->cov_hh_deg2);
 	e->item = (fw_item){.time = t, .kind = FW_ITEM_HEADING};
 	e->item.heading.heading_rad = fw_rad_from_deg((double)a->heading_deg) - r->setup.antenna_heading_rad;
-	if (fabs(a->heading_deg) <= 360) /* else it shall be refused */
+	if (fabs((double)a->heading_deg) <= 360) /* else it shall be refused */
 		e->item.heading.heading_rad = fw_wrap_2pi(e->item.heading.heading_rad);
 	e->item.heading.sd_rad = fw_rad_from_deg(sd_deg);
 	if (e->item.heading.sd_rad > 0 && e->item.heading.sd_rad < r->setup.heading_floor_rad)
