@@ -11,5 +11,5 @@ seeds=$(dirname "$0")/../tests/fuzz/corpus/$name
 [ -d "$seeds" ] || seeds=
 
 mkdir -p "$directory/corpus/$name" "$directory/findings"
-exec "$harness" -max_total_time="${FUZZ_SECONDS:-60}" -timeout=5 -malloc_limit_mb=16 -print_final_stats=1 \
+exec "$harness" -max_total_time="${FUZZ_SECONDS:-60}" -timeout=5 -malloc_limit_mb=16 -print_final_stats=1 -error_exitcode=1 \
 	-artifact_prefix="$directory/findings/$name-" "$directory/corpus/$name" $seeds

@@ -90,7 +90,7 @@ static uint64_t read_log(fw_dataflash *r, size_t size)
 			require(r->reason[0] != '\0' && r->lost_offset <= size);
 		n += status == FW_OK;
 	}
-	require(status == FW_EOF || status == FW_ETRUNCATED);
+	require(status == FW_EOF || status == FW_ETRUNCATED || status == FW_EFORMAT); /* broken gzip */
 	require(r->bytes_lost <= size);
 	return n;
 }

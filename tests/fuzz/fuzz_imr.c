@@ -58,6 +58,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 		else
 			require(reader.lost_offset < size && reader.reason[0] != '\0');
 	}
-	require(status == FW_EOF || status == FW_ETRUNCATED || status == FW_EUNKNOWN);
+	require(status == FW_EOF || status == FW_ETRUNCATED || status == FW_EUNKNOWN || status == FW_EFORMAT);
 	return 0;
 }

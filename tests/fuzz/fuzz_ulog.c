@@ -61,7 +61,7 @@ static void read_log(fw_ulog *r, size_t size)
 		else
 			require(r->reason[0] != '\0' && r->lost_offset <= size);
 	}
-	require(status == FW_EOF || status == FW_ETRUNCATED || status == FW_EUNKNOWN);
+	require(status == FW_EOF || status == FW_ETRUNCATED || status == FW_EUNKNOWN || status == FW_EFORMAT);
 	require(r->bytes_lost <= size);
 }
 
